@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A picture as the labelling stages look at it: packed pixels with a rim.
+
+Anti-aliasing mixes premultiplied colours linearly, with "nothing" as (0, 0, 0, 0);
+so in premultiplied colours a pixel on an edge lies on the line between its two
+sides, whatever their opacity.  Whole-picture passes compare packed pixels, four
+bytes each; colours are unpacked only where a stage looks at them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Tuple
+
+import numpy as np
+
+RIM = 3
+"""Pixels added on each side, so that windows up to 7 x 7 stay inside the arrays."""
+
+
+@dataclass(frozen=True)
+class Canvas:
+    """A picture in flat arrays, addressed by one number per pixel.
+
+    Attributes
+    ----------
+    shape : (int, int)
+        Rows and columns of the picture without its rim.
+    keys : ndarray of shape (P,) and dtype uint32
+        RGBA of each pixel in one number, 0 for "nothing", with the rim (a repetition
+        of the outermost pixels), row by row.
+    opaque : bool
+        Whether every pixel has alpha 255.
+    """
+
+    shape: Tuple[int, int]
+    keys: np.ndarray
+    opaque: bool
+
+    @property
+    def stride(self) -> int:
+        """Step from a pixel to the one below it."""
+        return self.shape[1] + 2 * RIM
+
+    def bare(self, values: np.ndarray) -> np.ndarray:
+        """The (H, W) view of a flat array without its rim."""
+        return values.reshape(-1, self.stride)[RIM:-RIM, RIM:-RIM]
+
+    def rimmed(self, values: np.ndarray, rim: int) -> np.ndarray:
+        """A flat copy of a (H, W) array with a rim of one value."""
+        return np.pad(values, RIM, mode="constant", constant_values=rim).ravel()
+
+    def cells(self, mask: np.ndarray) -> np.ndarray:
+        """Numbers of the pixels set in a (H, W) mask, int32, in reading order."""
+        row, col = np.divmod(np.flatnonzero(mask).astype(np.int32), np.int32(mask.shape[1]))
+        return (row + RIM) * np.int32(self.stride) + (col + RIM)
+
+    def places(self, cells: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+        """Row and column of pixels, not counting the rim."""
+        row, col = np.divmod(cells, np.int32(self.stride))
+        return row - RIM, col - RIM
+
+    def holds(self, cells: np.ndarray) -> np.ndarray:
+        """Which pixels belong to the picture, not to its rim."""
+        row, col = self.places(cells)
+        return (row >= 0) & (row < self.shape[0]) & (col >= 0) & (col < self.shape[1])
+
+    def colours(self, cells: np.ndarray) -> np.ndarray:
+        """Premultiplied colours of pixels, float32 (C, ...); C is 3 for an opaque picture, else 4."""
+        return planes(self.keys[cells], self.opaque)
+
+    def mixing(self, rgba: np.ndarray) -> np.ndarray:
+        """Premultiplied planes, float32 (C, K), of RGBA colours (K, 4)."""
+        return np.ascontiguousarray(premultiply(rgba).T[:3 if self.opaque else 4], np.float32)
+
+
+def prepare(image: np.ndarray) -> Canvas:
+    """Lay out a uint8 (H, W, 4) RGBA picture for labelling."""
+    opaque = bool((image[..., 3] == 255).all())
+    keys = np.ascontiguousarray(image).view(np.uint32)[..., 0]
+    if not opaque:
+        keys = np.where(image[..., 3] == 0, np.uint32(0), keys)
+    return Canvas(image.shape[:2], np.pad(keys, RIM, mode="edge").ravel(), opaque)
+
+
+def unpack(keys: np.ndarray) -> np.ndarray:
+    """The RGBA bytes of packed pixels, uint8 (..., 4)."""
+    return np.ascontiguousarray(keys)[..., None].view(np.uint8)
+
+
+def premultiply(rgba: np.ndarray) -> np.ndarray:
+    """Premultiplied colours of RGBA ones (..., 4), 0 to 255."""
+    return np.concatenate([rgba[..., :3] * (rgba[..., 3:] / 255), rgba[..., 3:]], axis=-1)
+
+
+def planes(keys: np.ndarray, opaque: bool) -> np.ndarray:
+    """Premultiplied channels of packed pixels, float32 (C, ...), 0 to 255."""
+    rgba = unpack(keys)
+    out = np.empty((3 if opaque else 4,) + keys.shape, np.float32)
+    for channel, plane in enumerate(out):
+        plane[...] = rgba[..., channel]
+    if not opaque:
+        out[:3] *= out[3] * np.float32(1 / 255)
+    return out
+
+
+def mean_colours(canvas: Canvas, index: np.ndarray) -> np.ndarray:
+    """Mean colour of the pixels of each label.
+
+    Parameters
+    ----------
+    index : ndarray of shape (H, W) and an integer dtype
+        Labels; pixels with a negative one are left out.
+
+    Returns
+    -------
+    ndarray of shape (K, 4) and dtype float64
+        RGBA, not premultiplied; weighted by alpha.
+    """
+    some = index >= 0
+    label, rgba = index[some], unpack(canvas.bare(canvas.keys)[some])
+    count = np.bincount(label)
+    alpha = rgba[:, 3] / 255.0
+    covered = count.astype(np.float64) if canvas.opaque else np.bincount(label, alpha, count.size)
+    mean = np.empty((count.size, 4))
+    for channel in range(3):
+        weight = rgba[:, channel] if canvas.opaque else rgba[:, channel] * alpha
+        mean[:, channel] = np.bincount(label, weight, count.size) / np.maximum(covered, 1e-9)
+    mean[:, 3] = 255 * covered / np.maximum(count, 1)
+    return mean

@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Connected components of graphs and of pixel grids, by whole-array union-find.
+
+Roots are hooked onto neighbouring roots and paths are halved until every node
+points at its root (Shiloach and Vishkin, "An O(log n) parallel connectivity
+algorithm", J. Algorithms 3, 1982).  On a grid the nodes are runs of linked
+pixels of a row, which leaves few of them in a picture of flat colours.
+"""
+
+from __future__ import annotations
+
+from typing import Optional
+
+import numpy as np
+
+_MIX = np.uint32(2654435761)
+
+
+def components(n: int, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Number the connected components of a graph.
+
+    Parameters
+    ----------
+    n : int
+        Count of nodes.
+    a, b : ndarray of shape (E,) and an integer dtype
+        Edge k joins the nodes ``a[k]`` and ``b[k]``.
+
+    Returns
+    -------
+    ndarray of shape (n,) and dtype int32
+        Component of each node, numbered from 0 in the order of their first nodes.
+
+    Notes
+    -----
+    In each round a root hooks onto a neighbour of lower priority.  Priorities are
+    drawn anew per round, so that half of the roots that still have neighbours are
+    expected to vanish whatever the graph: O(log n) rounds.
+    """
+    parent = np.arange(n, dtype=np.int32)
+    a, b = np.asarray(a), np.asarray(b)
+    turn = 0
+    while True:
+        a, b = parent[a], parent[b]
+        apart = np.flatnonzero(a != b)
+        if not apart.size:
+            return _renumber(parent)
+        a, b = a[apart], b[apart]
+        swap = _priority(a, turn) > _priority(b, turn)
+        parent[np.where(swap, a, b)] = np.where(swap, b, a)
+        _flatten(parent)
+        turn += 1
+
+
+def _priority(node: np.ndarray, turn: int) -> np.ndarray:
+    """A pseudo-random number per node and round; different nodes never share one."""
+    mixed = (node.astype(np.uint32) ^ np.uint32(turn * 0x9E3779B1 & 0xFFFFFFFF)) * _MIX
+    return (mixed ^ mixed >> np.uint32(15)) * _MIX
+
+
+def _flatten(parent: np.ndarray) -> None:
+    """Let every node point at its root, in place."""
+    while True:
+        grand = parent[parent]
+        if np.array_equal(grand, parent):
+            return
+        parent[:] = grand
+
+
+def _renumber(root: np.ndarray) -> np.ndarray:
+    """Consecutive numbers for the roots, in the order of the first node of each."""
+    nodes = np.arange(root.size, dtype=np.int32)
+    first = np.full(root.size, root.size, np.int32)
+    first[root[::-1]] = nodes[::-1]
+    number = np.cumsum(first[root] == nodes, dtype=np.int32) - 1
+    return number[first[root]]
+
+
+def link_components(right: np.ndarray, down: np.ndarray, down_right: Optional[np.ndarray] = None,
+                    down_left: Optional[np.ndarray] = None) -> np.ndarray:
+    """Number the connected components of a grid of pixels with given links.
+
+    Parameters
+    ----------
+    right : ndarray of shape (H, W - 1) and dtype bool
+        Whether pixel (r, c) is linked with (r, c + 1).
+    down : ndarray of shape (H - 1, W) and dtype bool
+        Whether (r, c) is linked with (r + 1, c).
+    down_right : ndarray of shape (H - 1, W - 1) and dtype bool, optional
+        Whether (r, c) is linked with (r + 1, c + 1).
+    down_left : ndarray of shape (H - 1, W - 1) and dtype bool, optional
+        Whether (r, c + 1) is linked with (r + 1, c).
+
+    Returns
+    -------
+    ndarray of shape (H, W) and dtype int32
+        Component of each pixel, numbered from 0 in reading order.
+    """
+    height, width = right.shape[0], down.shape[1]
+    start = np.ones((height, width), bool)
+    np.logical_not(right, out=start[:, 1:])
+    run = np.cumsum(start.ravel(), dtype=np.int32).reshape(height, width)
+    run -= 1
+
+    # A link is left out where other links join the same runs.
+    needed = down.copy()
+    needed[:, 1:] &= ~(down[:, :-1] & right[:-1] & right[1:])
+    pairs = [(run[:-1][needed], run[1:][needed])]
+    if down_right is not None:
+        needed = down_right & ~(right[:-1] & down[:, 1:]) & ~(down[:, :-1] & right[1:])
+        pairs.append((run[:-1, :-1][needed], run[1:, 1:][needed]))
+    if down_left is not None:
+        needed = down_left & ~(right[:-1] & down[:, :-1]) & ~(down[:, 1:] & right[1:])
+        pairs.append((run[:-1, 1:][needed], run[1:, :-1][needed]))
+    a, b = (np.concatenate(side) for side in zip(*pairs))
+    count = int(run[-1, -1]) + 1 if run.size else 0
+    return components(count, a, b)[run]
+
+
+def label_components(labels: np.ndarray, connectivity: int = 4) -> np.ndarray:
+    """Number the connected areas of equal labels.
+
+    Parameters
+    ----------
+    labels : ndarray of shape (H, W)
+    connectivity : {4, 8}
+        Whether pixels that touch only at a corner are neighbours (8).
+
+    Returns
+    -------
+    ndarray of shape (H, W) and dtype int32
+        Component of each pixel, numbered from 0 in reading order.
+    """
+    if connectivity not in (4, 8):
+        raise ValueError(f"connectivity must be 4 or 8, not {connectivity!r}")
+    right = labels[:, 1:] == labels[:, :-1]
+    down = labels[1:] == labels[:-1]
+    if connectivity == 4:
+        return link_components(right, down)
+    return link_components(right, down, labels[1:, 1:] == labels[:-1, :-1],
+                           labels[1:, :-1] == labels[:-1, 1:])

@@ -1,0 +1,260 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Corners of outlines: where they are, and where their two sides meet.
+
+The pixels at a corner see both sides at once, so the outline is rounded there.
+A corner is looked for in the turn between two chords that leave out those
+pixels, and accepted only if the outline turns back from the point where its two
+sides meet by as much as a sharp corner of that angle would.
+"""
+
+from __future__ import annotations
+
+from typing import List, NamedTuple, Tuple
+
+import numpy as np
+
+from .model import PlanarMap, Polylines
+
+STEP = 0.5
+"""Distance of the samples along an arc, px."""
+
+BACK = 1.9
+"""Turn from which a corner that is too round for its angle may be the end of a bar, radians."""
+
+NARROW = 0.7
+"""Width from which the end of a bar has two corners, px."""
+
+
+class Corners(NamedTuple):
+    """Accepted corners, ordered along their arcs.
+
+    Attributes
+    ----------
+    arc : ndarray of shape (C,) and dtype int64
+    length : ndarray of shape (C,)
+        Distance from the beginning of the arc, px.
+    point : ndarray of shape (C, 2)
+        Where the two sides meet.
+    """
+
+    arc: np.ndarray
+    length: np.ndarray
+    point: np.ndarray
+
+
+class Arclength:
+    """Arcs as functions of the distance walked along them.
+
+    Attributes
+    ----------
+    at_point : ndarray of shape (N,)
+        Distance of each point of the polylines from the beginning of its arc, px.
+    total : ndarray of shape (A,)
+        Length of each arc, px.
+    """
+
+    def __init__(self, lines: Polylines, ring: np.ndarray) -> None:
+        count = np.diff(lines.starts)
+        arc = np.repeat(np.arange(len(count)), count + ring)
+        starts = np.concatenate([[0], np.cumsum(count + ring)])
+        index = np.arange(starts[-1]) - np.repeat(starts[:-1] - lines.starts[:-1], count + ring)
+        closing = starts[1:][ring] - 1
+        index[closing] = lines.starts[:-1][ring]
+        points = lines.points[index]
+        piece = np.zeros(len(points))
+        piece[1:] = np.hypot(*np.diff(points, axis=0).T)
+        # A gap between arcs keeps the whole table rising.
+        piece[starts[:-1]] = 1.0
+        self._table = np.cumsum(piece)
+        self._points = points
+        self._base = self._table[starts[:-1]]
+        self._ring = ring
+        self.total = self._table[starts[1:] - 1] - self._base
+        own = np.ones(len(points), bool)
+        own[closing] = False
+        self.at_point = (self._table - self._base[arc])[own]
+
+    def at(self, arc: np.ndarray, length: np.ndarray) -> np.ndarray:
+        """Points at a distance from the beginning of arcs; rings wrap, open arcs end."""
+        total = self.total[arc]
+        inside = np.where(self._ring[arc], np.mod(length, np.maximum(total, 1e-9)), np.clip(length, 0, total))
+        query = self._base[arc] + inside
+        return np.stack([np.interp(query, self._table, self._points[:, k]) for k in (0, 1)], axis=-1)
+
+
+def find_corners(planar: PlanarMap, lines: Polylines, along: Arclength, corner_angle: float) -> Corners:
+    """Find the corners of all arcs.
+
+    Parameters
+    ----------
+    planar : PlanarMap
+    lines : Polylines
+    along : Arclength
+        Of `lines`.
+    corner_angle : float
+        Smallest turn that counts, degrees.
+
+    Returns
+    -------
+    Corners
+    """
+    inner = np.flatnonzero(planar.left != 0)
+    count = np.maximum((along.total[inner] / STEP).astype(np.int64), 1)
+    arc = np.repeat(inner, count)
+    step = along.total[arc] / np.repeat(count, count)
+    length = (np.arange(len(arc)) - np.repeat(np.cumsum(count) - count, count) + 0.5) * step
+    ring = planar.rings
+    coarse = _turn(along, arc, length, skip=1.3, arm=4.0)
+    fine = _turn(along, arc, length, skip=0.4, arm=1.2, curved=False)
+    coarse_at = _peaks(coarse, arc, 0.38, 8)
+    fine_at = _peaks(fine, arc, 0.6, 2)
+    chosen = _choose(arc, length, coarse_at, fine_at)
+    margin = np.minimum(length, along.total[arc] - length)
+    chosen = chosen[ring[arc[chosen]] | (margin[chosen] > 1.5)]
+    meeting = _meet(along, ring, arc[chosen], length[chosen])
+    # Pixels round a sharp corner off by about this much, the more the sharper it is.
+    sharp = 0.29 / np.tan(np.maximum(np.pi - meeting.turn, 0.48) / 2)
+    fits = meeting.rounding < 1.15 * sharp + 0.22
+    keep = (meeting.turn > np.radians(corner_angle)) & fits
+    caps = _caps(meeting, (meeting.turn > BACK) & ~fits)
+    found = Corners(*(np.concatenate(parts) for parts in zip((part[keep] for part in meeting.corners), *caps)))
+    return Corners(*(part[np.lexsort((found.length, found.arc))] for part in found))
+
+
+def _turn(along: Arclength, arc: np.ndarray, length: np.ndarray, skip: float, arm: float,
+          curved: bool = True) -> np.ndarray:
+    """Turn between two chords beside each sample, less what the sides' own curvature explains."""
+    def direction(a: float, b: float) -> np.ndarray:
+        d = along.at(arc, length + b) - along.at(arc, length + a)
+        return np.arctan2(d[:, 1], d[:, 0])
+
+    turn = _wrap(direction(skip, skip + arm) - direction(-skip - arm, -skip))
+    if curved:
+        mid = skip + arm / 2
+        before = _wrap(direction(-mid, -skip) - direction(-skip - arm, -mid))
+        after = _wrap(direction(mid, skip + arm) - direction(skip, mid))
+        turn -= 0.8 * (before + after) / 2 * (2 * skip + arm) / (arm / 2)
+    return np.abs(turn)
+
+
+def _wrap(angle: np.ndarray) -> np.ndarray:
+    return (angle + np.pi) % (2 * np.pi) - np.pi
+
+
+def _peaks(turn: np.ndarray, arc: np.ndarray, least: float, reach: int) -> np.ndarray:
+    """Samples that turn by at least `least`, and most within `reach` samples of their arc."""
+    best = turn > least
+    for k in range(1, reach + 1):
+        same = arc[k:] == arc[:-k]
+        best[:-k] &= ~same | (turn[:-k] >= turn[k:])
+        best[k:] &= ~same | (turn[k:] > turn[:-k])
+    return np.flatnonzero(best)
+
+
+def _choose(arc: np.ndarray, length: np.ndarray, coarse: np.ndarray, fine: np.ndarray) -> np.ndarray:
+    """Fine corners where they stand close together or no coarse one is near; else coarse ones."""
+    place = arc * 1e7 + length
+    fine = fine[(_nearest(place[fine], place[fine], own=True) < 5) | (_nearest(place[fine], place[coarse]) > 3)]
+    coarse = coarse[_nearest(place[coarse], place[fine]) > 3]
+    return np.sort(np.concatenate([coarse, fine]))
+
+
+def _nearest(place: np.ndarray, others: np.ndarray, own: bool = False) -> np.ndarray:
+    """Distance from each place to the nearest of the sorted `others`."""
+    padded = np.concatenate([[-1e9], others, [1e18]])
+    index = np.searchsorted(padded, place)
+    after = padded[index + 1] if own else padded[index]
+    return np.minimum(after - place, place - padded[index - 1])
+
+
+class _Meeting(NamedTuple):
+    corners: Corners
+    turn: np.ndarray         # (C,) radians
+    rounding: np.ndarray     # (C,) distance of the outline from the point, px
+    side: np.ndarray         # (C, 2 sides, 2) a point on either side
+    toward: np.ndarray       # (C, 2 sides, 2) unit vectors from there to the corner
+    path: np.ndarray         # (C, 25, 2) the outline near the corner
+    near: np.ndarray         # (25,) distances along it
+
+
+def _meet(along: Arclength, ring: np.ndarray, arc: np.ndarray, length: np.ndarray) -> _Meeting:
+    """Extend both sides of each corner to where they meet."""
+    room_before, room_after = _room(along, ring, arc, length)
+    before = _side(along, arc, length, -1, room_before)
+    after = _side(along, arc, length, 1, room_after)
+    a, b = np.zeros(len(arc)), np.zeros(len(arc))
+    for _ in range(4):
+        pa, da = _parabola(before, a)
+        pb, db = _parabola(after, b)
+        gap = pb - pa
+        cross = da[:, 1] * db[:, 0] - da[:, 0] * db[:, 1]
+        cross = np.where(np.abs(cross) < 0.05, 0.05, cross)
+        a = np.clip(a + (gap[:, 1] * db[:, 0] - gap[:, 0] * db[:, 1]) / cross, -2.5, 1.0)
+        b = np.clip(b + (gap[:, 1] * da[:, 0] - gap[:, 0] * da[:, 1]) / cross, -2.5, 1.0)
+    (pa, da), (pb, db) = _parabola(before, a), _parabola(after, b)
+    point = (pa + pb) / 2
+    turn = np.abs(_wrap(np.arctan2(db[:, 1], db[:, 0]) - np.arctan2(-da[:, 1], -da[:, 0])))
+    near = np.linspace(-3, 3, 25)
+    path = along.at(np.repeat(arc, 25), (length[:, None] + near).ravel()).reshape(-1, 25, 2)
+    distance = np.hypot(*np.moveaxis(path - point[:, None], 2, 0))
+    corners = Corners(arc, length + near[np.argmin(distance, axis=1)], point)
+    clear = np.full(len(arc), 1.3)
+    sides = [_parabola(side, clear) for side in (before, after)]
+    toward = np.stack([-d / np.maximum(np.hypot(*d.T), 1e-9)[:, None] for _, d in sides], axis=1)
+    return _Meeting(corners, turn, distance.min(axis=1), np.stack([p for p, _ in sides], axis=1), toward, path, near)
+
+
+def _caps(meeting: _Meeting, blunt: np.ndarray) -> List[Corners]:
+    """Two corners each, where the outline turns back round the blunt end of a bar; one if it is narrow."""
+    arc, length, _ = (part[blunt] for part in meeting.corners)
+    side, toward, path = meeting.side[blunt], meeting.toward[blunt], meeting.path[blunt]
+    ahead = toward.sum(axis=1)
+    ahead /= np.maximum(np.hypot(*ahead.T), 1e-9)[:, None]
+    tip = np.einsum("ckd,cd->ck", path, ahead).max(axis=1)
+    short = tip[:, None] - np.einsum("csd,cd->cs", side, ahead)
+    point = side + toward * (short / np.maximum(np.einsum("csd,cd->cs", toward, ahead), 0.5))[..., None]
+    width = np.einsum("cd,cd->c", point[:, 1] - point[:, 0], side[:, 1] - side[:, 0])
+    width /= np.maximum(np.hypot(*(side[:, 1] - side[:, 0]).T), 1e-9)
+    wide = width > NARROW
+    middle = point.mean(axis=1)
+    half = np.where(wide, width / 2, 0)
+    centre = length + meeting.near[np.argmin(np.hypot(*np.moveaxis(path - middle[:, None], 2, 0)), axis=1)]
+    first = np.where(wide[:, None], point[:, 0], middle)
+    return [Corners(arc, np.maximum(centre - half, 0), first),
+            Corners(arc[wide], (centre + half)[wide], point[wide, 1])]
+
+
+def _room(along: Arclength, ring: np.ndarray, arc: np.ndarray,
+          length: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """How far each corner's sides reach before the next corner or the end of the arc."""
+    before, after = length.copy(), along.total[arc] - length
+    same = arc[1:] == arc[:-1]
+    gap = np.diff(length)
+    before[1:][same] = gap[same]
+    after[:-1][same] = gap[same]
+    first = np.r_[True, ~same] if len(arc) else np.zeros(0, bool)
+    last = np.r_[~same, True] if len(arc) else np.zeros(0, bool)
+    wrap = ring[arc[first]]
+    turn_round = along.total[arc[first]] - length[last] + length[first]
+    before[first] = np.where(wrap, turn_round, before[first])
+    after[last] = np.where(wrap, turn_round, after[last])
+    return before, after
+
+
+def _side(along: Arclength, arc: np.ndarray, length: np.ndarray, sign: int,
+          room: np.ndarray) -> np.ndarray:
+    """Coefficients (C, 3, 2) of a parabola through one side, by distance from the corner."""
+    begin = np.minimum(1.3, 0.3 * room)
+    end = np.clip(room - 0.7, begin + 0.6, 5.3)
+    u = begin[:, None] + (end - begin)[:, None] * np.linspace(0, 1, 9)
+    points = along.at(np.repeat(arc, 9), (length[:, None] + sign * u).ravel()).reshape(-1, 9, 2)
+    design = np.stack([np.ones_like(u), u, u * u], axis=-1)
+    normal = np.einsum("cki,ckj->cij", design, design)
+    normal[:, 2, 2] += 0.3 * 9
+    return np.linalg.solve(normal, np.einsum("cki,ckd->cid", design, points))
+
+
+def _parabola(side: np.ndarray, u: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Points and derivatives of parabolas at distances `u`."""
+    u = u[:, None]
+    return side[:, 0] + u * (side[:, 1] + u * side[:, 2]), side[:, 1] + 2 * u * side[:, 2]

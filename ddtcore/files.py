@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""From picture files to drawing files: one, or many in several processes.
+
+One bad picture, or a worker that is killed, costs that picture and no other.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from itertools import zip_longest
+from typing import Iterator, NamedTuple, Optional, Sequence, Tuple, Union
+
+from .options import TraceOptions
+
+STANDARD = "-"
+"""In place of a file: standard input or output."""
+
+
+class Job(NamedTuple):
+    """A picture to trace.
+
+    Attributes
+    ----------
+    source, target : str
+        Files, or `STANDARD`.
+    options : TraceOptions
+    report : str
+        Also report on it: ``"text"``, ``"json"``, or ``""`` for no report.
+    """
+
+    source: str
+    target: str
+    options: TraceOptions
+    report: str = ""
+
+
+class Outcome(NamedTuple):
+    """What came of a job: an error in one line, or "" and the notes and the report."""
+
+    job: Job
+    error: str = ""
+    notes: Tuple[str, ...] = ()
+    report: str = ""
+
+
+def trace_file(path: Union[str, "os.PathLike[str]"], out: Union[str, "os.PathLike[str]", None] = None,
+               options: Optional[TraceOptions] = None) -> str:
+    """Trace a picture file into an SVG file; fit to be sent to other processes.
+
+    Parameters
+    ----------
+    path : str or path-like
+        Picture of any kind that Pillow reads.
+    out : str or path-like, optional
+        Ends in ``.svg`` or ``.svgz``; beside the picture if left out.
+    options : TraceOptions, optional
+
+    Returns
+    -------
+    str
+        The file written.
+
+    Raises
+    ------
+    ImageError
+        If the picture can't be read.
+    OSError
+        If the drawing can't be written.
+    """
+    source = os.fspath(path)
+    target = default_target(source) if out is None else os.fspath(out)
+    _run(Job(source, target, options or TraceOptions()))
+    return target
+
+
+def default_target(source: str, folder: Optional[str] = None) -> str:
+    """The drawing's file: beside the picture or in a folder, with the ending ``.svg``."""
+    stem = os.path.splitext(source)[0]
+    return (stem if folder is None else os.path.join(folder, os.path.basename(stem))) + ".svg"
+
+
+def run_all(jobs: Sequence[Job], workers: int = 1) -> Iterator[Outcome]:
+    """Do all jobs and say what came of each, in their order but for those that lost a worker.
+
+    Parameters
+    ----------
+    jobs : sequence of Job
+    workers : int
+        Processes to use, 0 for as many as there are processors.
+    """
+    workers = min(workers or _processors(), len(jobs))
+    if workers < 2:
+        yield from map(_attempt, jobs)
+        return
+    while jobs:
+        lost = []
+        for job, outcome in _in_processes(jobs, workers):
+            if outcome is None:
+                lost.append(job)
+            else:
+                yield outcome
+        # The worker died of one of the first of these: alone, each shows whether it was that one.
+        for suspect in lost[:workers]:
+            for job, outcome in _in_processes([suspect], 1):
+                yield outcome or Outcome(job, f"{job.source}: the process that traced it was killed")
+        jobs = lost[workers:]
+
+
+def _in_processes(jobs: Sequence[Job], workers: int) -> Iterator[Tuple[Job, Optional[Outcome]]]:
+    """Jobs with their outcomes, None for those that were lost because a worker died."""
+    from concurrent.futures import ProcessPoolExecutor
+    from concurrent.futures.process import BrokenProcessPool
+
+    from . import pipeline  # noqa: F401  (loaded once, for all processes forked from here)
+
+    with ProcessPoolExecutor(workers, initializer=_leave_quietly) as pool:
+        futures = []
+        try:
+            for job in jobs:
+                futures.append(pool.submit(_attempt, job))
+        except BrokenProcessPool:
+            pass
+        try:
+            for job, future in zip_longest(jobs, futures):
+                try:
+                    outcome = future.result() if future else None
+                except BrokenProcessPool:
+                    outcome = None
+                yield job, outcome
+        finally:
+            for future in futures:
+                future.cancel()
+
+
+def _leave_quietly() -> None:
+    """Let Ctrl-C end a worker without a traceback, but with its half-written file removed."""
+    signal.signal(signal.SIGINT, lambda number, frame: sys.exit(130))
+
+
+def _processors() -> int:
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _attempt(job: Job) -> Outcome:
+    """Do a job; whatever goes wrong becomes one line of text."""
+    from .raster import ImageError
+
+    try:
+        return _run(job)
+    except BrokenPipeError:
+        raise
+    except ImageError as error:
+        reason = str(error)
+    except OSError as error:
+        target = "standard output" if job.target == STANDARD else job.target
+        reason = f"{target} can't be written: {error.strerror or error}"
+    except MemoryError:
+        reason = f"{job.source} needs more memory than there is"
+    except Exception as error:  # A fault of ours; the other pictures shall not suffer.
+        reason = f"{job.source}: unexpected {type(error).__name__}: {error}"
+    return Outcome(job, " ".join(reason.split()))
+
+
+def _run(job: Job) -> Outcome:
+    from .pipeline import trace
+    from .raster import ImageError, load_image
+    from .svg import encoded, save
+
+    image = load_image(sys.stdin.buffer.read() if job.source == STANDARD else job.source)
+    if STANDARD not in job[:2] and os.path.exists(job.target) and os.path.samefile(job.source, job.target):
+        raise ImageError(f"{job.target} is the picture itself: choose another output")
+    drawing = trace(image, job.options)
+    if job.target == STANDARD:
+        sys.stdout.buffer.writelines(encoded(drawing))
+        sys.stdout.buffer.flush()
+    else:
+        save(drawing, job.target)
+    text = ""
+    if job.report:
+        from .report import report
+
+        curves = drawing if job.options.result == "curves" else None
+        figures = report(image, job.options, curves, job.source)
+        text = figures.to_json() if job.report == "json" else figures.to_text()
+    return Outcome(job, notes=drawing.notes, report=text)

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What the user sees when something goes wrong: one plain sentence, never a traceback."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+import traceback
+from contextlib import contextmanager
+from typing import Iterator
+
+import inkex
+from inkex.utils import ABORT_STATUS
+
+from .log import note
+
+NO_MEMORY = "There is not enough memory to trace a picture of this size."
+
+@contextmanager
+def plain_messages() -> Iterator[None]:
+    """Turn whatever goes wrong into one sentence and the exit status that inkex users expect.
+
+    An `AbortExtension` passes (status 251); anything unforeseen goes to a log file
+    and ends the program with status 1.
+    """
+    try:
+        with _quiet_libraries():
+            yield
+    except (inkex.AbortExtension, MemoryError) as error:
+        message = NO_MEMORY if isinstance(error, MemoryError) else str(error)
+        if note(message):
+            sys.exit(ABORT_STATUS)
+        raise inkex.AbortExtension(message) from error
+    except Exception:  # anything else is a fault of this program
+        details = traceback.format_exc()
+        if not note(details):
+            inkex.errormsg("DDT Trace has met an unforeseen fault; please report it with the file"
+                           f" {_log_file(details)}.")
+        sys.exit(1)
+
+
+@contextmanager
+def _quiet_libraries() -> Iterator[None]:
+    """Send to nowhere what C libraries write to stderr, such as libtiff about unknown tags."""
+    try:
+        sys.stderr.flush()
+        stderr = os.dup(2)
+    except (AttributeError, OSError):  # there is none, as under pythonw
+        yield
+        return
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nowhere, 2)
+        yield
+    finally:
+        sys.stderr.flush()
+        os.dup2(stderr, 2)
+        os.close(stderr)
+        os.close(nowhere)
+
+
+def _log_file(details: str) -> str:
+    with tempfile.NamedTemporaryFile("w", prefix="ddt_trace-", suffix=".log", delete=False,
+                                     encoding="utf-8") as file:
+        file.write(f"{sys.version}\ninkex {inkex.__version__}\n{details}")
+    return file.name

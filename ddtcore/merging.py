@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Fewer labels: a limit for the palette, and specks that join a neighbour.
+
+Both work on the labels, before any boundary exists, so they cannot leave gaps.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Tuple
+
+import numpy as np
+
+from .canvas import premultiply
+from .components import label_components
+from .model import Labels
+
+
+def limit_colours(labels: Labels, most: int) -> Labels:
+    """Merge the colours whose loss is least until `most` remain besides "nothing".
+
+    The cost of a merge is that of Ward's method, the growth of the squared error
+    weighted by pixels.  A merged colour is that of its most frequent member.
+    """
+    counts = np.bincount(labels.index.ravel(), minlength=len(labels.palette))
+    painted = np.flatnonzero(labels.palette[:, 3] > 0)
+    if painted.size <= most:
+        return labels
+    into = np.arange(len(labels.palette))
+    groups = ward_groups(premultiply(labels.palette[painted]), counts[painted], most)
+    frequent = painted[np.lexsort((-counts[painted], groups))]
+    leader = frequent[np.searchsorted(np.sort(groups), np.arange(groups.max() + 1))]
+    into[painted] = leader[groups]
+    ramp = labels.ramp
+    if ramp is not None:
+        ramp = ramp & (np.bincount(into, minlength=into.size) == 1)
+    return drop_unused(replace(labels, index=into.astype(np.int32)[labels.index], ramp=ramp))
+
+
+def ward_groups(points: np.ndarray, weights: np.ndarray, most: int) -> np.ndarray:
+    """Group weighted points (K, C) by Ward's method; group numbers (K,) from 0 to most - 1."""
+    points = points.astype(np.float64)
+    weights = np.maximum(weights, 1).astype(np.float64)
+    group = np.arange(len(points))
+    alive = np.ones(len(points), bool)
+    cost = _ward_cost(points, weights, points, weights)
+    np.fill_diagonal(cost, np.inf)
+    for _ in range(len(points) - most):
+        i, j = np.unravel_index(np.argmin(cost), cost.shape)
+        total = weights[i] + weights[j]
+        points[i] = (weights[i] * points[i] + weights[j] * points[j]) / total
+        weights[i] = total
+        group[group == j] = i
+        alive[j] = False
+        cost[j], cost[:, j] = np.inf, np.inf
+        row = _ward_cost(points[i:i + 1], weights[i:i + 1], points, weights)[0]
+        row[~alive] = np.inf
+        row[i] = np.inf
+        cost[i], cost[:, i] = row, row
+    return np.unique(group, return_inverse=True)[1]
+
+
+def _ward_cost(a: np.ndarray, wa: np.ndarray, b: np.ndarray, wb: np.ndarray) -> np.ndarray:
+    square = ((a[:, None] - b[None]) ** 2).sum(axis=-1)
+    return square * (wa[:, None] * wb / (wa[:, None] + wb))
+
+
+def merge_specks(labels: Labels, area: float) -> Labels:
+    """Give connected regions below an area (px²) the label of the neighbour with the longest shared border."""
+    index = labels.index
+    while True:
+        region = label_components(index, 8)
+        size = np.bincount(region.ravel())
+        if not (size < area).any():
+            break
+        into = _best_neighbours(region, size, area)
+        first = np.zeros(size.size, index.dtype)
+        first[region.ravel()] = index.ravel()
+        merged = first[into][region]
+        if np.array_equal(merged, index):
+            break
+        index = merged
+    return drop_unused(replace(labels, index=index, thin=labels.thin & (index == labels.index)))
+
+
+def _best_neighbours(region: np.ndarray, size: np.ndarray, area: float) -> np.ndarray:
+    """For each small region the larger neighbour with the longest shared border, else itself, chains followed."""
+    pairs = []
+    for a, b in ((region[:, 1:], region[:, :-1]), (region[1:], region[:-1])):
+        differ = a != b
+        pairs += [(a[differ], b[differ]), (b[differ], a[differ])]
+    small, other = (np.concatenate(side).astype(np.int64) for side in zip(*pairs))
+    rank = np.empty(size.size, np.int64)
+    rank[np.argsort(size, kind="stable")] = np.arange(size.size)
+    use = (size[small] < area) & (rank[other] > rank[small])
+    edge, length = np.unique(small[use] * size.size + other[use], return_counts=True)
+    small, other = np.divmod(edge, size.size)
+    order = np.argsort(length, kind="stable")
+    into = np.arange(size.size)
+    into[small[order]] = other[order]
+    while not np.array_equal(into[into], into):
+        into = into[into]
+    return into
+
+
+def drop_unused(labels: Labels) -> Labels:
+    """Remove the colours that no pixel has."""
+    used = np.bincount(labels.index.ravel(), minlength=len(labels.palette)) > 0
+    if used.all():
+        return labels
+    number = (np.cumsum(used) - 1).astype(np.int32)
+    ramp = None if labels.ramp is None else labels.ramp[used]
+    return replace(labels, index=number[labels.index], palette=labels.palette[used], ramp=ramp)

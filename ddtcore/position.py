@@ -1,0 +1,247 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Where the outlines lie: barycentres, or the coverage that anti-aliasing wrote down.
+
+The paper draws outlines through the barycentres of the border triangles, which
+are at best a third of a pixel off.  An anti-aliased pixel tells more: its colour
+mixes those of its two sides in the proportion of the areas they cover.  The sum
+of the coverage along a pixel column that an edge crosses from one flat side to
+the other is where the edge crosses the middle of the column, exactly so for
+straight edges (Trujillo-Pino et al., "Accurate subpixel edge location based on
+partial area effect", Image and Vision Computing 31, 2013).
+"""
+
+from __future__ import annotations
+
+from typing import Tuple
+
+import numpy as np
+
+from .border import barycentres
+from .model import Labels, Mesh, PlanarMap, Polylines
+from .options import TraceOptions
+
+REACH = 4
+"""How far from a crossing a flat side is looked for, px."""
+
+FLAT = 0.03
+"""Coverage closer than this to 0 or 1 counts as flat."""
+
+
+def place(image: np.ndarray, labels: Labels, mesh: Mesh, planar: PlanarMap,
+          options: TraceOptions) -> Polylines:
+    """Give every arc its points.
+
+    Parameters
+    ----------
+    image : ndarray of shape (H, W, 4) and dtype uint8
+    labels : Labels
+    mesh : Mesh
+    planar : PlanarMap
+    options : TraceOptions
+        `positions` chooses the method.
+
+    Returns
+    -------
+    Polylines
+    """
+    if options.positions == "barycentres":
+        arc, points, weight, ends = _through_barycentres(mesh, planar)
+    else:
+        arc, points, weight, ends = _by_coverage(image, labels, mesh, planar)
+    return _assemble(mesh, planar, arc, points, weight, ends)
+
+
+def premultiplied(rgba: np.ndarray) -> np.ndarray:
+    """Colours (..., 4) with RGB multiplied by alpha, float32, 0 to 255."""
+    colours = np.array(rgba, np.float32)
+    colours[..., :3] *= colours[..., 3:] / np.float32(255)
+    return colours
+
+
+def _through_barycentres(mesh: Mesh, planar: PlanarMap) -> Tuple[np.ndarray, ...]:
+    arc = np.repeat(np.arange(len(planar.tail)), np.diff(planar.starts))
+    # The last triangle of an open arc is its head junction, which is added later.
+    inside = np.ones(len(arc), bool)
+    inside[planar.starts[1:][~planar.rings] - 1] = False
+    points = _framed(mesh, planar.crossings[inside] // 3)
+    return arc[inside], points, np.full(len(points), 0.5), _framed(mesh, planar.junctions)
+
+
+def _framed(mesh: Mesh, triangles: np.ndarray) -> np.ndarray:
+    """Barycentres; those of triangles that reach into the frame lie on the picture's border."""
+    points = barycentres(mesh, triangles)
+    corners = mesh.points(mesh.triangles[triangles])
+    for axis, size in ((0, mesh.shape[1] - 2), (1, mesh.shape[0] - 2)):
+        points[(corners[:, :, axis] < 0).any(axis=1), axis] = 0
+        points[(corners[:, :, axis] > size).any(axis=1), axis] = size
+    return points
+
+
+def _by_coverage(image: np.ndarray, labels: Labels, mesh: Mesh,
+                 planar: PlanarMap) -> Tuple[np.ndarray, ...]:
+    arc = np.repeat(np.arange(len(planar.tail)), np.diff(planar.starts))
+    colours = premultiplied(labels.palette[planar.face_labels])
+    left, right = colours[planar.left][arc], colours[planar.right][arc]
+    raw = _half_way(image, mesh, planar, left, right)
+    ends = _junction_means(mesh, planar, raw)
+    inner = np.flatnonzero(planar.left[arc] != 0)
+    tangent = _tangents(planar, arc, raw)[inner]
+    position, sure, column = _column_sums(image, raw[inner], tangent, left[inner], right[inner])
+    # Staircase steps and diagonals give the same column twice.
+    fresh = np.ones(len(inner), bool)
+    fresh[1:] = (arc[inner][1:] != arc[inner][:-1]) | (column[1:] != column[:-1])
+    # Beside positions that are sure, a doubtful one only adds noise.
+    doubtful = ~sure
+    near = np.zeros(len(inner), bool)
+    near[1:] |= sure[:-1]
+    near[:-1] |= sure[1:]
+    keep = fresh & ~(doubtful & near)
+    return arc[inner][keep], position[keep], np.where(sure, 1.0, 0.5)[keep], ends
+
+
+def _half_way(image: np.ndarray, mesh: Mesh, planar: PlanarMap, left: np.ndarray,
+              right: np.ndarray) -> np.ndarray:
+    """Where each crossed mesh edge is half one colour, half the other; (N, 2)."""
+    triangle, side = np.divmod(planar.crossings, 3)
+    origin = mesh.points(mesh.triangles[triangle, side])
+    end = mesh.points(mesh.triangles[triangle, (side + 1) % 3])
+    a = _share(_pixels(image, origin), left, right)
+    b = _share(_pixels(image, end), left, right)
+    rise = b - a
+    half = np.where(rise > 0.2, (0.5 - a) / np.maximum(rise, 0.2), 0.5)
+    half = np.clip(half, 0.05, 0.95)
+    half[planar.left[np.repeat(np.arange(len(planar.tail)), np.diff(planar.starts))] == 0] = 0.5
+    return origin + half[:, None] * (end - origin)
+
+
+def _pixels(image: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Premultiplied colours of the pixels that contain `points`; outside, of the nearest."""
+    h, w = image.shape[:2]
+    col = np.clip(np.floor(points[..., 0]), 0, w - 1).astype(np.int64)
+    row = np.clip(np.floor(points[..., 1]), 0, h - 1).astype(np.int64)
+    return premultiplied(image.reshape(-1, 4)[row * w + col])
+
+
+def _share(colour: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """How much of the left colour is in a mix of left and right, (N,); not limited to 0..1."""
+    span = left - right
+    return np.einsum("ij,ij->i", colour - right, span) / np.maximum(np.einsum("ij,ij->i", span, span), 1)
+
+
+def _junction_means(mesh: Mesh, planar: PlanarMap, raw: np.ndarray) -> np.ndarray:
+    """Junctions amid the nearest crossings of their three arcs; at the frame, on it."""
+    ends = _framed(mesh, planar.junctions)
+    open_ = np.flatnonzero(~planar.rings)
+    number = np.concatenate([planar.tail[open_], planar.head[open_]])
+    nearest = np.concatenate([raw[planar.starts[open_]], raw[planar.starts[open_ + 1] - 1]])
+    count = np.bincount(number, minlength=len(ends))
+    mean = np.stack([np.bincount(number, nearest[:, k], len(ends)) / np.maximum(count, 1)
+                     for k in (0, 1)], axis=-1)
+    free = ((ends > 0) & (ends < [mesh.shape[1] - 2, mesh.shape[0] - 2]))
+    return np.where(free, mean, ends)
+
+
+def _tangents(planar: PlanarMap, arc: np.ndarray, raw: np.ndarray) -> np.ndarray:
+    """Direction of each arc at its crossings, from two crossings before to two after."""
+    index = np.arange(len(raw))
+    first, length = planar.starts[arc], np.diff(planar.starts)[arc]
+    ring = planar.rings[arc]
+    offset = index - first
+    after = np.where(ring, (offset + 2) % length, np.minimum(offset + 2, length - 1))
+    before = np.where(ring, (offset - 2) % length, np.maximum(offset - 2, 0))
+    return raw[first + after] - raw[first + before]
+
+
+def _column_sums(image: np.ndarray, raw: np.ndarray, tangent: np.ndarray, left: np.ndarray,
+                 right: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Sum the coverage across the edge, in its pixel column or row.
+
+    Returns
+    -------
+    position : ndarray of shape (N, 2)
+        `raw` where it is not sure.
+    sure : ndarray of shape (N,) and dtype bool
+        Both sides are flat within reach and nothing but their mixes lies between.
+    column : ndarray of shape (N,)
+        Number of the pixel column (or row) that was summed; never equal for both.
+    """
+    h, w = image.shape[:2]
+    upright = np.abs(tangent[:, 1]) > np.abs(tangent[:, 0])
+    cell = np.floor(raw).astype(np.int64)
+    cell[:, 0] = np.clip(cell[:, 0], 0, w - 1)
+    cell[:, 1] = np.clip(cell[:, 1], 0, h - 1)
+    # Walking right (down), the left side is up (right): step from the left to the right side.
+    step = np.where(upright, -np.sign(tangent[:, 1]), np.sign(tangent[:, 0])).astype(np.int64)
+    stride = np.where(upright, step, step * w)
+    across = np.where(upright, cell[:, 0], cell[:, 1])
+    room = np.where(upright, w, h) - 1
+    reach = np.arange(-REACH, REACH + 1)
+    inside = np.clip(across[:, None] + reach * step[:, None], 0, room[:, None]) - across[:, None]
+    flat = (cell[:, 1] * w + cell[:, 0])[:, None] + inside * np.abs(stride)[:, None]
+    colour = premultiplied(image.reshape(-1, 4)[flat])
+    span = left - right
+    share = np.einsum("nkc,nc->nk", colour - right[:, None], span)
+    share /= np.maximum(np.einsum("nc,nc->n", span, span), 1)[:, None]
+    off = np.abs(colour - right[:, None] - np.clip(share, 0, 1)[..., None] * span[:, None]).max(axis=2)
+    total, sure = _sum_between_flats(share, off)
+    along = np.where(step > 0, across + total, across + 1 - total)
+    position = cell + 0.5
+    position[upright, 0], position[~upright, 1] = along[upright], along[~upright]
+    sure &= (np.abs(position - raw).max(axis=1) < 0.8) & (step != 0)
+    column = np.where(upright, -1 - cell[:, 1], cell[:, 0])
+    return np.where(sure[:, None], position, raw), sure, column
+
+
+def _sum_between_flats(share: np.ndarray, off: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Sum each row of `share` (N, 2 * REACH + 1) from the nearest 1 before to the nearest 0 after."""
+    index = np.arange(2 * REACH + 1)
+    high = (share > 1 - FLAT) & (index <= REACH)
+    low = (share < FLAT) & (index >= REACH)
+    begin = 2 * REACH - np.argmax(high[:, ::-1], axis=1)
+    end = np.argmax(low, axis=1)
+    between = (index > begin[:, None]) & (index < end[:, None])
+    total = np.where(between, share, 0).sum(axis=1) + begin - REACH + 1
+    falling = np.where(between[:, 1:] & between[:, :-1], np.diff(share, axis=1), -1).max(axis=1) < 0.02
+    pure = np.where(between, off, 0).max(axis=1) < 14
+    return total, high.any(axis=1) & low.any(axis=1) & (end >= begin) & falling & pure
+
+
+def _assemble(mesh: Mesh, planar: PlanarMap, arc: np.ndarray, points: np.ndarray,
+              weight: np.ndarray, ends: np.ndarray) -> Polylines:
+    """Put junctions at the ends of open arcs, and the picture's own border in place."""
+    inner = planar.left[arc] != 0
+    pieces = [(arc[inner], np.ones(inner.sum(), np.int64), points[inner], weight[inner])]
+    for rank, junction in ((0, planar.tail), (2, planar.head)):
+        open_ = np.flatnonzero(junction >= 0)
+        pieces.append((open_, np.full(len(open_), rank), ends[junction[open_]], np.full(len(open_), 0.5)))
+    for number in np.flatnonzero(planar.left == 0):
+        corners = _frame_corners(mesh, planar, number, ends)
+        pieces.append((np.full(len(corners), number), np.ones(len(corners), np.int64), corners,
+                       np.ones(len(corners))))
+    arc, rank, points, weight = (np.concatenate(part) for part in zip(*pieces))
+    order = np.lexsort((rank, arc))
+    starts = np.searchsorted(arc[order], np.arange(len(planar.tail) + 1))
+    return Polylines(starts, points[order], weight[order])
+
+
+def _frame_corners(mesh: Mesh, planar: PlanarMap, arc: int, ends: np.ndarray) -> np.ndarray:
+    """Corners of the picture that a walk along its border meets, clockwise; (n, 2)."""
+    h, w = mesh.shape[0] - 2.0, mesh.shape[1] - 2.0
+    corners = np.array([[0, 0], [w, 0], [w, h], [0, h]])
+    if planar.tail[arc] < 0:
+        return corners
+    begin = _along_frame(ends[planar.tail[arc]], w, h)
+    length = (_along_frame(ends[planar.head[arc]], w, h) - begin) % (2 * (w + h)) or 2 * (w + h)
+    ahead = (np.array([0, w, w + h, w + h + w]) - begin) % (2 * (w + h))
+    met = np.flatnonzero((ahead > 0) & (ahead < length))
+    return corners[met[np.argsort(ahead[met])]]
+
+
+def _along_frame(point: np.ndarray, w: float, h: float) -> float:
+    """Distance along the picture's border from its top left corner, clockwise."""
+    x, y = point
+    if y == 0:
+        return x
+    if x == w:
+        return w + y
+    return w + h + (w - x) if y == h else 2 * w + 2 * h - y

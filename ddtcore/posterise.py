@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Pictures without flat colours: photographs, dither, noise, and tiny sprites.
+
+There is nothing in them that tells an edge from a texture pixel by pixel; a limited
+number of colours chosen from a histogram gives a bounded result.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .canvas import Canvas, mean_colours, premultiply, unpack
+from .merging import drop_unused, ward_groups
+from .model import Labels
+
+_BUSY = 0.3
+_BINS = 256
+
+
+def is_noisy(canvas: Canvas) -> bool:
+    """Whether hardly any pixel equals the next one."""
+    key = canvas.bare(canvas.keys)
+    equal = key[:, 1:] == key[:, :-1]
+    return np.count_nonzero(equal) < _BUSY * equal.size
+
+
+def posterise(canvas: Canvas, most: int) -> Labels:
+    """Label each pixel by the nearest of at most `most` colours; by its own, if there are no more than that."""
+    key = canvas.bare(canvas.keys)
+    if np.unique(key.ravel()[::max(1, key.size // 4096)]).size <= most:
+        own, index = np.unique(key, return_inverse=True)
+        if own.size <= most:
+            index = index.reshape(key.shape).astype(np.int32)
+            return Labels(index, unpack(own).astype(np.float64), np.zeros(index.shape, bool))
+    index = _nearest_colours(canvas, most)
+    return drop_unused(Labels(index, mean_colours(canvas, index), np.zeros(index.shape, bool)))
+
+
+def _nearest_colours(canvas: Canvas, most: int) -> np.ndarray:
+    """Labels int32 (H, W) from a histogram of 16 levels per channel whose largest bins are grouped."""
+    rgba = unpack(canvas.bare(canvas.keys))
+    bins = np.zeros(canvas.shape, np.int32)
+    for channel in range(4):
+        bins = bins << 4 | rgba[..., channel] >> 4
+    count = np.bincount(bins.ravel(), minlength=1 << 16)
+    used = np.flatnonzero(count)
+    number = np.zeros(count.size, np.int32)
+    number[used] = np.arange(used.size)
+    points = premultiply(mean_colours(canvas, number[bins]))
+    top = np.argsort(-count[used], kind="stable")[:_BINS]
+    weight = count[used][top].astype(np.float64)
+    group = ward_groups(points[top], weight, min(most, top.size))
+    centres = np.stack([np.bincount(group, weight * plane) for plane in points[top].T], axis=-1)
+    centres /= np.bincount(group, weight)[:, None]
+    nearest = np.zeros(used.size, np.int32)
+    least = np.full(used.size, np.inf)
+    for k, centre in enumerate(centres):
+        square = ((points - centre) ** 2).sum(axis=-1)
+        nearer = square < least
+        nearest[nearer], least[nearer] = k, square[nearer]
+    return nearest[number][bins]

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Run real Inkscape for tests: a fresh profile with the extension, a virtual screen, a time limit."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import shutil
+import subprocess
+from functools import lru_cache
+from pathlib import Path
+from xml.sax.saxutils import quoteattr
+
+ROOT = Path(__file__).resolve().parent.parent
+EXTENSION_ID = "io.github.ddttrace.ddt_trace"
+MISSING = "Inkscape or xvfb-run was not found; as root: apt-get install inkscape xvfb xauth"
+SECONDS = 120
+
+
+@lru_cache(maxsize=None)
+def commands():
+    """The Inkscapes to test with: the one on the PATH, and more named by DDT_TRACE_INKSCAPES.
+
+    The variable holds commands separated by colons, such as a wrapper for another version.
+    """
+    if not shutil.which("xvfb-run"):
+        return ()
+    more = [tuple(shlex.split(text)) for text in os.environ.get("DDT_TRACE_INKSCAPES", "").split(":")]
+    return tuple(command for command in [("inkscape",), *more] if command and shutil.which(command[0]))
+
+
+class Inkscape:
+    """One version of Inkscape with a profile of its own."""
+
+    def __init__(self, command, profile):
+        self.command = list(command)
+        self.profile = Path(profile)
+        folder = self.profile / "extensions" / "ddt_trace"
+        folder.mkdir(parents=True)
+        for name in ("ddt_trace.inx", "ddt_trace.py", "ddtcore"):
+            (folder / name).symlink_to(ROOT / name)
+
+    def run(self, *arguments, log=None):
+        """Run Inkscape on a virtual screen and return the finished process."""
+        environment = dict(os.environ, INKSCAPE_PROFILE_DIR=str(self.profile))
+        # The first python3 on the PATH runs the extension: the system's, as for most users.
+        environment["PATH"] = os.pathsep.join(["/usr/bin", environment["PATH"]])
+        if log:
+            environment["DDT_TRACE_LOG"] = str(log)
+        return subprocess.run(["xvfb-run", "-a", *self.command, *map(str, arguments)], env=environment,
+                              capture_output=True, text=True, timeout=SECONDS, check=True)
+
+    def trace(self, document, result, ids=(), log=None, **settings):
+        """Trace pictures of a document through the menu action, with settings as the dialog keeps them."""
+        values = "".join(f" {EXTENSION_ID}.{name}={quoteattr(str(value))}" for name, value in settings.items())
+        (self.profile / "preferences.xml").write_text(
+            f'<inkscape version="1"><group id="extensions"{values}/></inkscape>')
+        action = EXTENSION_ID.replace("_", "-") + ".noprefs"
+        select = [f"select-by-id:{','.join(ids)}"] if ids else []
+        steps = [*select, action, f"export-filename:{result}", "export-do"]
+        return self.run("--batch-process", f"--actions={';'.join(steps)}", document, log=log)
+
+    def render(self, *documents):
+        """Write a PNG beside each document."""
+        self.run("--export-type=png", "--export-area-page", *documents)

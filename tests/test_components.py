@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Connected components against a plain search, node by node."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ddtcore.components import components, label_components, link_components
+
+
+def search(n, a, b):
+    """Components by depth-first search, numbered in the order of their first nodes."""
+    neighbours = [[] for _ in range(n)]
+    for i, j in zip(a, b):
+        neighbours[i].append(j)
+        neighbours[j].append(i)
+    number = [-1] * n
+    count = 0
+    for first in range(n):
+        if number[first] >= 0:
+            continue
+        number[first], stack = count, [first]
+        while stack:
+            for other in neighbours[stack.pop()]:
+                if number[other] < 0:
+                    number[other] = count
+                    stack.append(other)
+        count += 1
+    return np.array(number, np.int32)
+
+
+def grid_edges(right, down, down_right, down_left):
+    pixel = np.arange(right.shape[0] * down.shape[1]).reshape(right.shape[0], down.shape[1])
+    sides = [(pixel[:, :-1], pixel[:, 1:], right), (pixel[:-1], pixel[1:], down),
+             (pixel[:-1, :-1], pixel[1:, 1:], down_right), (pixel[:-1, 1:], pixel[1:, :-1], down_left)]
+    return (np.concatenate([p[k][link] for *p, link in sides]) for k in (0, 1))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_random_graphs_agree_with_search(seed):
+    rng = np.random.RandomState(seed)
+    n = rng.randint(1, 300)
+    a, b = rng.randint(0, n, (2, rng.randint(0, 2 * n)))
+    np.testing.assert_array_equal(components(n, a, b), search(n, a, b))
+
+
+@pytest.mark.parametrize("order", ["rising", "falling", "mixed"])
+@pytest.mark.parametrize("graph", ["star", "path", "comb"])
+def test_long_graphs_are_one_component_in_few_rounds(graph, order, monkeypatch):
+    n = 20001
+    nodes = {"rising": np.arange(n), "falling": np.arange(n)[::-1],
+             "mixed": np.random.RandomState(1).permutation(n)}[order]
+    a, b = {"star": (np.full(n - 1, 0), np.arange(1, n)),
+            "path": (np.arange(n - 1), np.arange(1, n)),
+            "comb": (np.arange(1, n) // 2, np.arange(1, n))}[graph]
+    rounds = []
+    from ddtcore import components as module
+    flatten = module._flatten
+    monkeypatch.setattr(module, "_flatten", lambda parent: (rounds.append(1), flatten(parent)))
+    assert not components(n, nodes[a], nodes[b]).any()
+    assert len(rounds) < 40
+
+
+def test_no_edges_and_no_nodes():
+    none = np.empty(0, int)
+    np.testing.assert_array_equal(components(3, none, none), [0, 1, 2])
+    assert components(0, none, none).shape == (0,)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_linked_grids_agree_with_search(seed):
+    rng = np.random.RandomState(seed)
+    h, w = rng.randint(1, 14, 2)
+    share = rng.uniform(0.1, 0.7)
+    links = [rng.rand(*shape) < share for shape in
+             [(h, w - 1), (h - 1, w), (h - 1, w - 1), (h - 1, w - 1)]]
+    expected = search(h * w, *grid_edges(*links)).reshape(h, w)
+    np.testing.assert_array_equal(link_components(*links), expected)
+
+
+@pytest.mark.parametrize("connectivity", [4, 8])
+@pytest.mark.parametrize("seed", range(10))
+def test_equal_labels_agree_with_search(seed, connectivity):
+    rng = np.random.RandomState(seed)
+    h, w = rng.randint(1, 20, 2)
+    labels = rng.randint(0, 3, (h, w))
+    diagonal = connectivity == 8
+    links = [labels[:, 1:] == labels[:, :-1], labels[1:] == labels[:-1],
+             (labels[1:, 1:] == labels[:-1, :-1]) & diagonal,
+             (labels[1:, :-1] == labels[:-1, 1:]) & diagonal]
+    expected = search(h * w, *grid_edges(*links)).reshape(h, w)
+    np.testing.assert_array_equal(label_components(labels, connectivity), expected)
+
+
+def test_chessboard():
+    board = np.add.outer(np.arange(6), np.arange(7)) % 2
+    assert label_components(board, 4).max() == 41
+    np.testing.assert_array_equal(label_components(board, 8), board)
+
+
+def test_connectivity_is_checked():
+    with pytest.raises(ValueError, match="connectivity must be 4 or 8, not 6"):
+        label_components(np.zeros((2, 2), int), 6)
