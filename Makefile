@@ -5,7 +5,7 @@
 # make clean    remove everything that these have made here
 
 INKSCAPE ?= inkscape
-PICTURE ?= tests/images/clipart.png
+PICTURE ?= tests/images/stegosaurus.png
 
 .PHONY: setup test demo install clean
 
@@ -23,4 +23,4 @@ install:
 
 clean:
 	rm -rf .venv demo build dist *.egg-info .pytest_cache .hypothesis .mypy_cache .ruff_cache .benchmarks
-	find ddtcore tests -name __pycache__ -prune -exec rm -rf {} +
+	find . -name __pycache__ -prune -exec rm -rf {} +

@@ -18,6 +18,8 @@ try:
     warnings.simplefilter("ignore")
     from ddtcore.inkscape import effect, faults, links, settings, source
 except ImportError as error:
+    if __name__ != "__main__":
+        raise
     MESSAGE = (f"DDT Trace cannot start: the Python that Inkscape uses ({sys.executable}) cannot import"
                f" {error.name or error}; on Debian and Ubuntu install python3-numpy, python3-pil,"
                " python3-lxml, python3-cssselect and python3-tinycss2.")

@@ -53,6 +53,10 @@ class Canvas:
     def cells(self, mask: np.ndarray) -> np.ndarray:
         """Numbers of the pixels set in a (H, W) mask, int32, in reading order."""
         row, col = np.divmod(np.flatnonzero(mask).astype(np.int32), np.int32(mask.shape[1]))
+        return self.numbers(row, col)
+
+    def numbers(self, row: np.ndarray, col: np.ndarray) -> np.ndarray:
+        """Numbers of the pixels at rows and columns that do not count the rim."""
         return (row + RIM) * np.int32(self.stride) + (col + RIM)
 
     def places(self, cells: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:

@@ -87,7 +87,8 @@ def _run(parser: _Parser, arguments: Optional[Sequence[str]]) -> int:
             for note in outcome.notes:
                 _say(parser, f"{outcome.job.source}: {note}")
         if outcome.report:
-            print(outcome.report, file=sys.stderr if outcome.job.target == STANDARD else sys.stdout, flush=True)
+            to_error = outcome.job.target == STANDARD
+            print(outcome.report, file=sys.stderr if to_error else sys.stdout, flush=True)
     if len(jobs) > 1 and not parsed.quiet:
         _say(parser, f"{len(jobs) - failed} of {len(jobs)} pictures traced, {failed} failed")
     return 1 if failed else 0

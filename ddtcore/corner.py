@@ -18,6 +18,9 @@ from .model import PlanarMap, Polylines
 STEP = 0.5
 """Distance of the samples along an arc, px."""
 
+ROUND = 0.4
+"""How much rounder than a sharp corner a corner may look, px: points are up to a pixel apart."""
+
 BACK = 1.9
 """Turn from which a corner that is too round for its angle may be the end of a bar, radians."""
 
@@ -98,27 +101,47 @@ def find_corners(planar: PlanarMap, lines: Polylines, along: Arclength, corner_a
     -------
     Corners
     """
-    inner = np.flatnonzero(planar.left != 0)
-    count = np.maximum((along.total[inner] / STEP).astype(np.int64), 1)
-    arc = np.repeat(inner, count)
-    step = along.total[arc] / np.repeat(count, count)
-    length = (np.arange(len(arc)) - np.repeat(np.cumsum(count) - count, count) + 0.5) * step
+    arc, length = _samples(along, np.flatnonzero(planar.left != 0))
     ring = planar.rings
     coarse = _turn(along, arc, length, skip=1.3, arm=4.0)
+    # Rings begin where they are straightest, so that no corner is cut in two.
+    order = _straightest_first(arc, length, coarse, ring[arc])
+    length = length[order] + np.where(length[order] < length[order][_heads(arc)], along.total[arc], 0)
+    coarse = coarse[order]
     fine = _turn(along, arc, length, skip=0.4, arm=1.2, curved=False)
-    coarse_at = _peaks(coarse, arc, 0.38, 8)
-    fine_at = _peaks(fine, arc, 0.6, 2)
-    chosen = _choose(arc, length, coarse_at, fine_at)
+    chosen = _choose(arc, length, _peaks(coarse, arc, 0.38, 8), _peaks(fine, arc, 0.6, 2))
     margin = np.minimum(length, along.total[arc] - length)
     chosen = chosen[ring[arc[chosen]] | (margin[chosen] > 1.5)]
     meeting = _meet(along, ring, arc[chosen], length[chosen])
     # Pixels round a sharp corner off by about this much, the more the sharper it is.
     sharp = 0.29 / np.tan(np.maximum(np.pi - meeting.turn, 0.48) / 2)
-    fits = meeting.rounding < 1.15 * sharp + 0.22
+    fits = meeting.rounding < 1.15 * sharp + ROUND
     keep = (meeting.turn > np.radians(corner_angle)) & fits
     caps = _caps(meeting, (meeting.turn > BACK) & ~fits)
     found = Corners(*(np.concatenate(parts) for parts in zip((part[keep] for part in meeting.corners), *caps)))
     return Corners(*(part[np.lexsort((found.length, found.arc))] for part in found))
+
+
+def _samples(along: Arclength, inner: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Arc and distance of evenly spaced samples of the arcs `inner`."""
+    count = np.maximum((along.total[inner] / STEP).astype(np.int64), 1)
+    arc = np.repeat(inner, count)
+    offset = np.arange(len(arc)) - np.repeat(np.cumsum(count) - count, count)
+    return arc, (offset + 0.5) * along.total[arc] / np.repeat(count, count)
+
+
+def _heads(arc: np.ndarray) -> np.ndarray:
+    """Number of the first sample of each sample's arc."""
+    return np.searchsorted(arc, arc)
+
+
+def _straightest_first(arc: np.ndarray, length: np.ndarray, turn: np.ndarray, ring: np.ndarray) -> np.ndarray:
+    """Order of the samples in which each ring begins at its least turn."""
+    least = np.lexsort((length, turn, arc))[_heads(arc)]
+    head = _heads(arc)
+    count = np.searchsorted(arc, arc, side="right") - head
+    shift = np.where(ring, least - head, 0)
+    return head + (np.arange(len(arc)) - head + shift) % np.maximum(count, 1)
 
 
 def _turn(along: Arclength, arc: np.ndarray, length: np.ndarray, skip: float, arm: float,
@@ -235,7 +258,7 @@ def _room(along: Arclength, ring: np.ndarray, arc: np.ndarray,
     first = np.r_[True, ~same] if len(arc) else np.zeros(0, bool)
     last = np.r_[~same, True] if len(arc) else np.zeros(0, bool)
     wrap = ring[arc[first]]
-    turn_round = along.total[arc[first]] - length[last] + length[first]
+    turn_round = np.maximum(along.total[arc[first]] - length[last] + length[first], 0)
     before[first] = np.where(wrap, turn_round, before[first])
     after[last] = np.where(wrap, turn_round, after[last])
     return before, after

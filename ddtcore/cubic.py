@@ -57,7 +57,7 @@ class Ends(NamedTuple):
 
 
 def fit_candidates(points: np.ndarray, weight: np.ndarray, first: np.ndarray, last: np.ndarray,
-                   ends: Ends, tolerance: float) -> Fit:
+                   ends: Ends, tolerance: np.ndarray) -> Fit:
     """Fit one cubic, or a line where that will do, to each range of points.
 
     Parameters
@@ -67,7 +67,7 @@ def fit_candidates(points: np.ndarray, weight: np.ndarray, first: np.ndarray, la
     first, last : ndarray of shape (M,) and dtype int64
         Candidate k replaces ``points[first[k]:last[k]]``, its ends not among them.
     ends : Ends
-    tolerance : float
+    tolerance : ndarray of shape (M,)
         px; decides between lines and cubics.
 
     Returns

@@ -21,7 +21,7 @@ import numpy as np
 
 from .rankmap import REACH, RankMap
 
-MARGIN = 0.7
+MARGIN = 1.2
 """How far a shape reaches under its neighbour wherever there is room, px: half the
 diagonal of a pixel, so that no anti-aliased pixel of the edge sees the shape's end."""
 

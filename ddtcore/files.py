@@ -45,7 +45,7 @@ class Outcome(NamedTuple):
     report: str = ""
 
 
-def trace_file(path: Union[str, "os.PathLike[str]"], out: Union[str, "os.PathLike[str]", None] = None,
+def trace_file(path: Union[str, os.PathLike[str]], out: Union[str, os.PathLike[str], None] = None,
                options: Optional[TraceOptions] = None) -> str:
     """Trace a picture file into an SVG file; fit to be sent to other processes.
 

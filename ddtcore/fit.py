@@ -27,6 +27,10 @@ MERGE_SHARE = 1.0
 """Share of the tolerance by which merged curves may differ from polished ones."""
 
 
+FAINT = 8.0
+"""Difference of two colours, of 255, at which the tolerance doubles."""
+
+
 def fit_arcs(image: np.ndarray, labels: Labels, planar: PlanarMap, lines: Polylines,
              options: TraceOptions) -> Curves:
     """Fit the curves of every arc.
@@ -50,18 +54,28 @@ def fit_arcs(image: np.ndarray, labels: Labels, planar: PlanarMap, lines: Polyli
     along = Arclength(lines, planar.rings)
     corners = find_corners(planar, lines, along, options.corner)
     runs = cut_at_knots(planar, lines, along, corners, size)
-    segments = fit_runs(runs, options.tolerance)
     colours = premultiplied(labels.palette[planar.face_labels])
     colours[0] = 0
-    held = (runs.places == 0) | (runs.places == np.asarray(size))
     step = colours[planar.left] - colours[planar.right]
+    tolerance = _tolerances(step, options.tolerance + lines.slack)[runs.arc]
+    segments = fit_runs(runs, tolerance)
+    held = (runs.places == 0) | (runs.places == np.asarray(size))
     pixels = premultiplied(image)
     wire = polish(wire_up(runs, segments, held, step), pixels, 2)
     # Polished curves are free of the points' noise: what they agree on can be merged closer.
-    runs, segments = simplify(wire, runs, segments, MERGE_SHARE * options.tolerance)
+    runs, segments = simplify(wire, runs, segments, MERGE_SHARE * tolerance)
     wire = polish(wire_up(runs, segments, held, step), pixels, 3)
     starts = np.searchsorted(runs.arc[segments.run], np.arange(len(planar.tail) + 1))
     return Curves(starts, wire.control(), np.where(wire.line, LINE, CUBIC).astype(np.uint8))
+
+
+def _tolerances(step: np.ndarray, tolerance: np.ndarray) -> np.ndarray:
+    """Tolerance of each arc, px: wider where the two colours hardly differ.
+
+    The colours of the picture are whole numbers, so the fainter an edge is, the less
+    its pixels tell where it lies, and the less anybody sees of it.
+    """
+    return tolerance * (1 + FAINT / np.maximum(np.abs(step).max(axis=1), 1))
 
 
 class Segments(NamedTuple):
@@ -83,14 +97,14 @@ class Segments(NamedTuple):
     fit: Fit
 
 
-def fit_runs(runs: Runs, tolerance: float) -> Segments:
+def fit_runs(runs: Runs, tolerance: np.ndarray) -> Segments:
     """Fit each run with as few segments as the tolerance allows.
 
     Parameters
     ----------
     runs : Runs
-    tolerance : float
-        px.
+    tolerance : ndarray of shape (R,)
+        Of each run, px.
 
     Returns
     -------
@@ -131,13 +145,13 @@ def _node(runs: Runs, at: np.ndarray, low: np.ndarray, high: np.ndarray,
     return side[:, 0], tangent / np.maximum(np.hypot(*tangent.T), 1e-9)[:, None]
 
 
-def _split(runs: Runs, whole: Tuple[np.ndarray, np.ndarray, np.ndarray, Ends], tolerance: float) -> Segments:
+def _split(runs: Runs, whole: Tuple[np.ndarray, np.ndarray, np.ndarray, Ends], tolerance: np.ndarray) -> Segments:
     """Split runs where they miss their points, until all are met."""
     run, first, last, ends = whole
     done = []
     while len(run):
-        fit = fit_candidates(runs.points, runs.weight, first, last, ends, tolerance)
-        bad = (fit.error > tolerance) & (last - first >= 3)
+        fit = fit_candidates(runs.points, runs.weight, first, last, ends, tolerance[run])
+        bad = (fit.error > tolerance[run]) & (last - first >= 3)
         done.append(_take(Segments(run, first, last, ends, fit), ~bad))
         run, first, last, ends, fit = _take(Segments(run, first, last, ends, fit), bad)
         margin = np.minimum(3, (last - first - 1) // 2)
@@ -162,7 +176,7 @@ def _cut(ends: Ends, place: np.ndarray, tangent: np.ndarray) -> Tuple[Ends, Ends
     return before, after
 
 
-def _merge(runs: Runs, segments: Segments, tolerance: float) -> Segments:
+def _merge(runs: Runs, segments: Segments, tolerance: np.ndarray) -> Segments:
     """Merge neighbours of one run where a single curve serves both, best first."""
     refused = np.zeros(len(segments.run), bool)
     while True:
@@ -170,8 +184,9 @@ def _merge(runs: Runs, segments: Segments, tolerance: float) -> Segments:
         if not len(left):
             return segments
         ends = _union(segments.ends, left)
-        fit = fit_candidates(runs.points, runs.weight, segments.first[left], segments.last[left + 1], ends, tolerance)
-        good = fit.error <= tolerance
+        allowed = tolerance[segments.run[left]]
+        fit = fit_candidates(runs.points, runs.weight, segments.first[left], segments.last[left + 1], ends, allowed)
+        good = fit.error <= allowed
         refused[left[~good]] = True
         price = np.full(len(segments.run) + 1, np.inf)
         price[left[good]] = fit.error[good]
@@ -209,15 +224,15 @@ def _join(parts: list) -> Segments:
                     Fit(*(cat(list(f)) for f in zip(*(p.fit for p in parts)))))
 
 
-def simplify(wire: Wire, runs: Runs, segments: Segments, tolerance: float) -> Tuple[Runs, Segments]:
+def simplify(wire: Wire, runs: Runs, segments: Segments, tolerance: np.ndarray) -> Tuple[Runs, Segments]:
     """Merge neighbouring segments of polished curves.
 
     Parameters
     ----------
     wire : Wire
         Polished, of `runs` and `segments`.
-    tolerance : float
-        How far a merged segment may stray from the two it replaces, px.
+    tolerance : ndarray of shape (R,)
+        How far a merged segment may stray from the two it replaces, by run, px.
 
     Returns
     -------

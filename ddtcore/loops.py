@@ -93,8 +93,9 @@ def face_loops(planar: PlanarMap, lines: Polylines) -> FaceLoops:
     web = components(len(planar.left), np.arange(len(face)) // 2, following // 2)
     starts, halves = _walk(following)
     first = halves[starts[:-1]]
+    face, web = face[first], web[first // 2]
     area, box = _measure(lines, planar.rings, starts, halves)
-    return FaceLoops(starts, halves, face[first], area, box, _outer(face[first], area), web[first // 2])
+    return FaceLoops(starts, halves, face, area, box, _outer(face, web), web)
 
 
 def _following(planar: PlanarMap, face: np.ndarray) -> np.ndarray:
@@ -128,26 +129,40 @@ def _walk(following: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
 def _measure(lines: Polylines, rings: np.ndarray, starts: np.ndarray,
              halves: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """Signed area and area of the bounding rectangle of every loop."""
-    first, last = lines.starts[:-1], lines.starts[1:] - 1
+    # Rings of a pixel or two can have lost all their points.
+    some = np.diff(lines.starts) > 0
+    first, last = lines.starts[:-1][some], lines.starts[1:][some] - 1
     x, y = lines.points.T
     ahead = np.arange(1, len(x) + 1)
-    ahead[last] = np.where(rings, first, last)
-    arc = np.add.reduceat((x * y[ahead] - x[ahead] * y) / 2, first)
+    ahead[last] = np.where(rings[some], first, last)
+    arc = np.zeros(len(rings))
+    arc[some] = np.add.reduceat((x * y[ahead] - x[ahead] * y) / 2, first)
     area = np.add.reduceat(np.stack([arc, -arc], axis=1).ravel()[halves], starts[:-1])
-    low = np.minimum.reduceat(np.minimum.reduceat(lines.points, first)[halves // 2], starts[:-1])
-    high = np.maximum.reduceat(np.maximum.reduceat(lines.points, first)[halves // 2], starts[:-1])
-    return area, np.prod(high - low, axis=1)
+    low, high = np.full((len(rings), 2), np.inf), np.full((len(rings), 2), -np.inf)
+    low[some] = np.minimum.reduceat(lines.points, first)
+    high[some] = np.maximum.reduceat(lines.points, first)
+    low = np.minimum.reduceat(low[halves // 2], starts[:-1])
+    high = np.maximum.reduceat(high[halves // 2], starts[:-1])
+    return area, np.prod(np.maximum(high - low, 0), axis=1)
 
 
-def _outer(face: np.ndarray, area: np.ndarray) -> np.ndarray:
-    """Which loops are outer ones: of each face but the outside the one of largest area."""
-    order = np.lexsort((-area, face))
-    first = np.ones(len(face), bool)
-    first[1:] = face[order[1:]] != face[order[:-1]]
+def _outer(face: np.ndarray, web: np.ndarray) -> np.ndarray:
+    """Which loops are outer ones, from the frame inwards.
+
+    The loop by which a face is met first is its outer one; all webs in its other loops
+    are met next.  This asks for no coordinates, which may be off for the smallest faces.
+    """
     outer = np.zeros(len(face), bool)
-    outer[order[first]] = True
-    outer[face == 0] = False
-    return outer
+    met = np.zeros(int(face.max()) + 1, bool)
+    met[0] = True
+    entered = np.zeros(int(web.max()) + 1, bool)
+    while True:  # once per level of nesting
+        entered[web[met[face]]] = True
+        fresh = entered[web] & ~met[face]
+        if not fresh.any():
+            return outer
+        outer |= fresh
+        met[face[fresh]] = True
 
 
 def select(loops: FaceLoops, chosen: np.ndarray) -> FaceLoops:

@@ -105,7 +105,8 @@ def _best_neighbours(region: np.ndarray, size: np.ndarray, area: float) -> np.nd
 
 def drop_unused(labels: Labels) -> Labels:
     """Remove the colours that no pixel has."""
-    used = np.bincount(labels.index.ravel(), minlength=len(labels.palette)) > 0
+    used = np.zeros(len(labels.palette), bool)
+    used[labels.index.ravel()] = True
     if used.all():
         return labels
     number = (np.cumsum(used) - 1).astype(np.int32)

@@ -143,11 +143,15 @@ class Polylines:
         repeat its first point.
     weight : ndarray of shape (N,) and dtype float64
         How far each position can be trusted, 0 to 1.
+    slack : ndarray of shape (A,) and dtype float64
+        How far the points of an arc may be off by their nature, px: 0 where they are
+        measured, more where the picture has hard edges.
     """
 
     starts: np.ndarray
     points: np.ndarray
     weight: np.ndarray
+    slack: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -197,12 +201,15 @@ class Gradient:
         on the outer circle.
     stops : tuple of (offset, (r, g, b), opacity)
         Two to four, offsets 0 to 1 rising.
+    across : (float, float), optional
+        Radial: where the other half-axis ends, if the outer "circle" is an ellipse.
     """
 
     kind: str
     start: Tuple[float, float]
     end: Tuple[float, float]
     stops: Tuple[Tuple[float, Tuple[int, int, int], float], ...]
+    across: Optional[Tuple[float, float]] = None
 
 
 @dataclass(frozen=True)

@@ -13,21 +13,32 @@ from typing import Tuple
 
 import numpy as np
 
-from .canvas import Canvas, planes, premultiply, unpack
-from .merging import drop_unused, ward_groups
-from .model import Labels
-from .sides import segment_distance
-from .threshold import mean_colours
+from .canvas import RIM, Canvas, planes
+from .mixes import segment_distance
+from .sides import near_samples
+
+MANY = 256
+"""Most colours of an automatic palette."""
 
 MIXED = 10.0
 """How far off the line between two colours their mixes may lie, levels."""
 
-
 ROUNDING = 2
 """How far a renderer's rounding may move a flat colour, levels."""
 
-_PIECE = 12
-_LIKE = 14
+NOISES = (2, 4, 8, 12, 16)
+"""Levels of noise that are told apart: by how much flat pixels vary."""
+
+PIECE = 12
+"""Where there are soft ramps: smallest plateau that is no piece of one, px²."""
+
+LIKE = 14
+"""Where there are soft ramps: how far apart the colours of pieces of one may be, levels."""
+
+_WEIGHED = 48
+_SAMPLE = 1 << 14
+_VARIED = 0.25
+_CLEAR = 16
 
 
 @dataclass(frozen=True)
@@ -45,7 +56,7 @@ class Plateaus:
     full : ndarray of shape (K,) and dtype int64
         Pixels of each whose eight neighbours are all equal to it.
     sound : ndarray of shape (K,) and dtype int64
-        Blocks of each that a single thin stroke cannot explain.
+        Blocks that a single thin stroke cannot explain; counted only where `full` is 0.
     """
 
     core: np.ndarray
@@ -67,56 +78,20 @@ def find_plateaus(canvas: Canvas, skip: np.ndarray) -> Plateaus:
     core[:-1, :-1] = block
     core[1:, :-1] |= block
     core[:, 1:] |= core[:, :-1]
-    core &= ~skip
-    full &= ~skip[1:-1, 1:-1]
-    block &= ~skip[:-1, :-1]
+    if skip.any():
+        core &= ~skip
+        full &= ~skip[1:-1, 1:-1]
+        block &= ~skip[:-1, :-1]
 
     keys, counts = count_keys(key[core])
+    inner = _tally(keys, key[1:-1, 1:-1][full])
+    sound = _tally(keys, _sound_blocks(canvas, block, keys[inner == 0]))
     order = np.argsort(-counts, kind="stable")
-    inner = tally(keys, *count_keys(key[1:-1, 1:-1][full]))
-    weak = keys[inner == 0]
-    sound = np.zeros(keys.size, np.int64)
-    if weak.size:
-        sound = tally(keys, *count_keys(_sound_blocks(canvas, block, weak)))
     return Plateaus(core, keys[order], counts[order], inner[order], sound[order])
 
 
-def is_noisy(canvas: Canvas) -> bool:
-    """Whether hardly any pixel equals its neighbours or continues a soft ramp: a photograph, dither, noise."""
-    key = canvas.bare(canvas.keys)
-    equal = key[:, 1:] == key[:, :-1]
-    return np.count_nonzero(equal) < 0.3 * equal.size
-
-
-def posterise(canvas: Canvas, most: int) -> Labels:
-    """Label the pixels of a picture without flat colours by their nearest of few colours."""
-    key = canvas.bare(canvas.keys)
-    if np.unique(key.ravel()[::max(1, key.size // 4096)]).size <= most:
-        exact, index = np.unique(key, return_inverse=True)
-        if exact.size <= most:
-            index = index.reshape(key.shape).astype(np.int32)
-            return Labels(index, unpack(exact).astype(np.float64), np.zeros(index.shape, bool))
-    bytes_ = unpack(key)
-    bins = np.zeros(key.shape, np.int32)
-    for channel in range(4):
-        bins = bins << 4 | bytes_[..., channel] >> 4
-    count = np.bincount(bins.ravel(), minlength=1 << 16)
-    used = np.flatnonzero(count)
-    number = np.zeros(1 << 16, np.int32)
-    number[used] = np.arange(used.size)
-    mean = mean_colours(canvas, number[bins])
-    points = premultiply(mean)
-    top = np.argsort(-count[used], kind="stable")[:256]
-    group = ward_groups(points[top], count[used][top], min(most, top.size))
-    centres = np.stack([np.bincount(group, points[top, c] * count[used][top]) for c in range(4)], axis=-1)
-    centres /= np.bincount(group, count[used][top])[:, None]
-    nearest = np.argmin(((points[:, None] - centres[None]) ** 2).sum(axis=-1), axis=1)
-    index = nearest.astype(np.int32)[number][bins]
-    return drop_unused(Labels(index, mean_colours(canvas, index), np.zeros(index.shape, bool)))
-
-
 def count_keys(keys: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Different values of a 1-D array, sorted, and how often each occurs (by runs: quick where they are long)."""
+    """Different values of a 1-D array, rising, and how often each occurs; quick where equal ones follow each other."""
     if not keys.size:
         return keys, np.zeros(0, np.int64)
     heads = np.concatenate([[0], np.flatnonzero(keys[1:] != keys[:-1]) + 1])
@@ -125,28 +100,66 @@ def count_keys(keys: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     return values, np.bincount(number, lengths, values.size).astype(np.int64)
 
 
-def tally(keys: np.ndarray, values: np.ndarray, counts: np.ndarray) -> np.ndarray:
-    """The counts of `values` in the order of `keys` (sorted, different), 0 where missing."""
+def _tally(keys: np.ndarray, among: np.ndarray) -> np.ndarray:
+    """How often each of `keys` (rising) occurs in a 1-D array that holds no other values."""
+    values, counts = count_keys(among)
     out = np.zeros(keys.size, np.int64)
     out[np.searchsorted(keys, values)] = counts
     return out
 
 
 def _sound_blocks(canvas: Canvas, block: np.ndarray, weak: np.ndarray) -> np.ndarray:
-    """Colours of the blocks of `weak` ones that do not lie between two equal pairs of pixels."""
-    row, col = np.nonzero(block)
-    at = (row + 3) * canvas.stride + col + 3
-    key = canvas.keys
-    at = at[np.isin(key[at], weak)]
-    s = canvas.stride
-    across = [((-1, 0), (2, 0), (0, 1)), ((0, -1), (0, 2), (1, 0))]
+    """Colours of the blocks of `weak` ones (rising) that do not lie between two equal pairs of pixels."""
+    if not weak.size:
+        return weak
+    at = canvas.cells(block)
+    key, down = canvas.keys, canvas.stride
+    place = np.searchsorted(weak, key[at])
+    at = at[weak[np.minimum(place, weak.size - 1)] == key[at]]
     sound = np.ones(at.size, bool)
-    for (r0, c0), (r1, c1), (dr, dc) in across:
-        one, other, along = r0 * s + c0, r1 * s + c1, dr * s + dc
-        here = key[at + one]
-        stroke = (here == key[at + other]) & (here == key[at + one + along]) & (here == key[at + other + along])
-        sound &= ~stroke
+    for across, along in ((down, 1), (1, down)):
+        side = key[at - across]
+        sound &= ~((side == key[at + 2 * across]) & (side == key[at - across + along])
+                   & (side == key[at + 2 * across + along]))
     return key[at[sound]]
+
+
+def noise_level(canvas: Canvas, plateaus: Plateaus, skip: np.ndarray) -> int:
+    """How much pixels vary about the flat colours: rounding, or what resizing and JPEG leave, levels.
+
+    On clean edges a pixel's distance from the nearer side is spread evenly; what exceeds
+    that near zero are flat pixels that vary.  One of `NOISES`.
+    """
+    strong = (plateaus.full > 0) & (plateaus.counts * 2000 >= plateaus.counts.sum())
+    if not strong.any():
+        return ROUNDING
+    labels = _exact_labels(canvas, plateaus.keys[strong][:MANY])
+    cells = canvas.cells(~plateaus.core & ~skip)
+    labels[cells] = -1
+    cells = cells[::max(1, cells.size // _SAMPLE)]
+    samples, _ = near_samples(labels, cells, canvas.stride)
+    here = canvas.colours(cells)
+    least = np.full(cells.size, 255, np.float32)
+    for sample in samples:
+        off = np.abs(canvas.colours(sample) - here).max(axis=0)
+        np.minimum(least, np.where(sample < 0, 255, off), out=least)
+    met = np.cumsum(np.bincount(least.astype(int), minlength=256))[:256] / max(cells.size, 1)
+    spread = (met[32] - met[16]) / 16
+    near = met[16] - 16 * spread
+    if near < _VARIED:
+        return ROUNDING
+    return next(level for level in NOISES if met[level] - level * spread >= 0.9 * near)
+
+
+def choose_noisy_colours(canvas: Canvas, plateaus: Plateaus, noise: int) -> np.ndarray:
+    """The packed colours of a noisy picture: surrounded ones that are not like a more frequent one."""
+    real = np.flatnonzero((plateaus.full >= 3) & (plateaus.counts >= _CLEAR))[:_SAMPLE]
+    colours = planes(plateaus.keys[real], canvas.opaque)
+    keep = np.zeros(real.size, bool)
+    for k in range(real.size):
+        off = np.abs(colours[:, :k][:, keep[:k]] - colours[:, k:k + 1]).max(axis=0)
+        keep[k] = not (off <= 2 * noise).any()
+    return plateaus.keys[real[keep]][:MANY]
 
 
 def choose_colours(canvas: Canvas, plateaus: Plateaus, ramps: bool) -> np.ndarray:
@@ -156,79 +169,88 @@ def choose_colours(canvas: Canvas, plateaus: Plateaus, ramps: bool) -> np.ndarra
     stroke explains: one, or several where other colours mix to theirs.  Where there
     are soft `ramps`, small plateaus like a larger one are pieces of a thin ramp.
     """
-    keep = plateaus.full > 0
     colours = planes(plateaus.keys, canvas.opaque)
-    for k in np.flatnonzero(~keep):
-        blocks = plateaus.counts[k] / 2
-        mixed = is_mixed(colours[:, k:k + 1], colours[:, keep])[0]
-        keep[k] = plateaus.sound[k] >= max(3, blocks / 4) if mixed else plateaus.sound[k] > 0
+    keep = plateaus.full > 0
+    weak = np.flatnonzero(~keep & (plateaus.sound > 0))[:MANY]
+    needed = np.maximum(3, plateaus.counts[weak] / 8)
+    needed[~is_mixed(colours[:, weak], colours[:, keep])] = 1
+    keep[weak[plateaus.sound[weak] >= needed]] = True
     if ramps:
-        keep &= plateaus.counts >= _PIECE
-        for k in np.flatnonzero(keep & (plateaus.full < _PIECE)):
+        keep &= plateaus.counts >= PIECE
+        for k in np.flatnonzero(keep & (plateaus.full < PIECE)):
             off = np.abs(colours[:, :k][:, keep[:k]] - colours[:, k:k + 1]).max(axis=0)
-            keep[k] = not (off < _LIKE).any()
-    return plateaus.keys[keep]
+            keep[k] = not (off < LIKE).any()
+    return plateaus.keys[keep][:MANY]
 
 
-def is_mixed(colours: np.ndarray, among: np.ndarray, margin: float = MIXED) -> np.ndarray:
-    """Which colours (C, N) lie near a line between two of `among` (C, K), not near its ends."""
-    first, second = np.triu_indices(among.shape[1], 1)
+def is_mixed(colours: np.ndarray, among: np.ndarray) -> np.ndarray:
+    """Which colours (C, N) lie near a line between two others of `among` (C, K), and not near its ends.
+
+    Only the first colours of `among` are weighed, so that the work stays bounded.
+    """
+    among = among[:, :_WEIGHED]
+    first, second = (among[:, side] for side in np.triu_indices(among.shape[1], 1))
     mixed = np.zeros(colours.shape[1], bool)
-    for k in range(colours.shape[1]):
-        c = colours[:, k, None]
-        distance, share = segment_distance(c, among[:, first], among[:, second])
-        own = ((among[:, first] == c).all(axis=0)) | ((among[:, second] == c).all(axis=0))
-        mixed[k] = bool(((distance < margin) & (share > 0.04) & (share < 0.96) & ~own).any())
+    for k, colour in enumerate(colours.T):
+        colour = np.broadcast_to(colour[:, None], first.shape)
+        distance, share = segment_distance(colour, first, second)
+        end = (first == colour).all(axis=0) | (second == colour).all(axis=0)
+        mixed[k] = bool(((distance < MIXED) & (share > 0.04) & (share < 0.96) & ~end).any())
     return mixed
 
 
-def known_labels(canvas: Canvas, plateaus: Plateaus, keys: np.ndarray) -> np.ndarray:
-    """Labels (H, W) int16 of the pixels that surely have one of the colours `keys`, else -1.
+def known_labels(canvas: Canvas, plateaus: Plateaus, keys: np.ndarray, noise: int) -> np.ndarray:
+    """Labels of the pixels that surely have one of the colours `keys`, int32 (P,) with the rim, else -1.
 
-    Sure are plateaus, also those where the renderer's rounding varies by a level or
-    two; and pixels of a colour that is no mix of others, wherever they stand.
+    Sure are plateaus, also those where pixels vary by the level of `noise`; and pixels
+    of a colour that is no mix of others, wherever they stand.
     """
-    key = canvas.bare(canvas.keys)
-    labels = np.full(key.shape, -1, np.int16)
     if not keys.size:
-        return labels
-    order = np.argsort(keys)
-    ranked = keys[order]
-    place = np.searchsorted(ranked, key)
-    np.minimum(place, keys.size - 1, out=place)
-    same = ranked[place] == key
-    label = order[place].astype(np.int16)
-    labels[same] = label[same]
+        return np.full(canvas.keys.size, -1, np.int32)
+    labels = _exact_labels(canvas, keys)
     colours = planes(keys, canvas.opaque)
-    mixable = is_mixed(colours, colours) | _has_twin(colours)
+    plain = ~(is_mixed(colours, colours) | _has_twin(colours))
+    plain[_WEIGHED:] = False
+    cells = canvas.cells(~plateaus.core | (canvas.bare(labels) < 0))
+    sure = (labels[cells] >= 0) & plain[labels[cells]]
+    labels[cells] = _nearest_within(canvas, cells, colours, noise)
+    sure |= (labels[cells] >= 0) & _in_block(labels, cells, canvas.stride)
+    labels[cells[~sure]] = -1
+    return labels
 
-    rimmed = canvas.rimmed(labels, -1)
-    cells = canvas.cells(~plateaus.core)
-    sure = (rimmed[cells] >= 0) & ~mixable[rimmed[cells]]
-    rimmed[cells] = _nearest_within(canvas, cells, keys, ROUNDING)
-    sure |= (rimmed[cells] >= 0) & _in_block(rimmed, cells, canvas.stride)
-    rimmed[cells[~sure]] = -1
-    return canvas.bare(rimmed)
 
-
-def _nearest_within(canvas: Canvas, cells: np.ndarray, keys: np.ndarray, margin: int) -> np.ndarray:
-    """The label whose colour differs least in any channel, if by no more than `margin` levels, else -1."""
-    here = unpack(canvas.keys[cells]).astype(np.int16)
-    label = np.full(cells.size, -1, np.int16)
-    least = np.full(cells.size, margin + 1, np.int16)
-    for k, colour in enumerate(unpack(keys).astype(np.int16)):
-        off = np.abs(here - colour).max(axis=-1)
-        label[off == least] = -1
-        nearer = off < least
-        label[nearer] = k
-        least[nearer] = off[nearer]
-    return label
+def _exact_labels(canvas: Canvas, keys: np.ndarray) -> np.ndarray:
+    """Labels (P,) of the pixels that equal one of the colours `keys`; -1 elsewhere and on the rim."""
+    order = np.argsort(keys).astype(np.int32)
+    heads = np.concatenate([[0], np.flatnonzero(canvas.keys[1:] != canvas.keys[:-1]) + 1])
+    value = canvas.keys[heads]
+    place = np.minimum(np.searchsorted(keys[order], value), keys.size - 1)
+    label = np.where(keys[order][place] == value, order[place], np.int32(-1))
+    labels = np.repeat(label, np.diff(np.append(heads, canvas.keys.size)))
+    framed = labels.reshape(-1, canvas.stride)
+    framed[:RIM], framed[-RIM:], framed[:, :RIM], framed[:, -RIM:] = -1, -1, -1, -1
+    return labels
 
 
 def _has_twin(colours: np.ndarray) -> np.ndarray:
     """Which colours (C, K) are hard to tell from another one."""
     off = np.abs(colours[:, :, None] - colours[:, None]).max(axis=0)
     return (off < 4 * ROUNDING).sum(axis=0) > 1
+
+
+def _nearest_within(canvas: Canvas, cells: np.ndarray, colours: np.ndarray, margin: int) -> np.ndarray:
+    """The label whose colour is within a margin of the pixel's in each channel, else or if undecided -1."""
+    here = canvas.colours(cells)
+    label = np.full(cells.size, -1, np.int32)
+    least = np.full(cells.size, margin + 0.5, np.float32)
+    for k, colour in enumerate(colours.T):
+        off = np.abs(here[0] - colour[0])
+        for plane, level in zip(here[1:], colour[1:]):
+            np.maximum(off, np.abs(plane - level), out=off)
+        label[off == least] = -1
+        nearer = off < least
+        label[nearer], least[nearer] = k, off[nearer]
+    return label
 
 
 def _in_block(labels: np.ndarray, cells: np.ndarray, stride: int) -> np.ndarray:

@@ -269,7 +269,7 @@ def _join(commands: _Commands, paths: int, decimals: int) -> List[str]:
     chosen = list(map(words.__getitem__, stream[written].tolist()))
     lengths = np.bincount(path, weights=written.sum(axis=1), minlength=paths)
     stops = np.cumsum(lengths).astype(int).tolist()
-    return ["".join(chosen[start:stop]) for start, stop in zip([0] + stops, stops)]
+    return ["".join(chosen[start:stop]) for start, stop in zip([0, *stops], stops)]
 
 
 def _shown(letter: np.ndarray) -> np.ndarray:

@@ -204,7 +204,7 @@ def _solve(problem: _Problem) -> np.ndarray:
         rest[0] = 0
         ahead = rest / diagonal
         grown = rest.dot(ahead)
-        if grown < 1e-6 * size:
+        if grown <= 1e-6 * size:
             break
         direction = ahead + grown / size * direction
         size = grown

@@ -12,13 +12,14 @@ partial area effect", Image and Vision Computing 31, 2013).
 
 from __future__ import annotations
 
-from typing import Tuple
+from typing import List, Tuple
 
 import numpy as np
 
 from .border import barycentres
 from .model import Labels, Mesh, PlanarMap, Polylines
 from .options import TraceOptions
+from .staircase import SLACK, hard_arcs, through_runs
 
 REACH = 4
 """How far from a crossing a flat side is looked for, px."""
@@ -45,10 +46,10 @@ def place(image: np.ndarray, labels: Labels, mesh: Mesh, planar: PlanarMap,
     Polylines
     """
     if options.positions == "barycentres":
-        arc, points, weight, ends = _through_barycentres(mesh, planar)
+        located = _through_barycentres(mesh, planar)
     else:
-        arc, points, weight, ends = _by_coverage(image, labels, mesh, planar)
-    return _assemble(mesh, planar, arc, points, weight, ends)
+        located = _by_coverage(image, labels, mesh, planar)
+    return _assemble(mesh, planar, *located)
 
 
 def premultiplied(rgba: np.ndarray) -> np.ndarray:
@@ -64,7 +65,8 @@ def _through_barycentres(mesh: Mesh, planar: PlanarMap) -> Tuple[np.ndarray, ...
     inside = np.ones(len(arc), bool)
     inside[planar.starts[1:][~planar.rings] - 1] = False
     points = _framed(mesh, planar.crossings[inside] // 3)
-    return arc[inside], points, np.full(len(points), 0.5), _framed(mesh, planar.junctions)
+    slack = np.full(len(planar.tail), SLACK)
+    return arc[inside], points, np.full(len(points), 0.5), _framed(mesh, planar.junctions), slack
 
 
 def _framed(mesh: Mesh, triangles: np.ndarray) -> np.ndarray:
@@ -82,36 +84,65 @@ def _by_coverage(image: np.ndarray, labels: Labels, mesh: Mesh,
     arc = np.repeat(np.arange(len(planar.tail)), np.diff(planar.starts))
     colours = premultiplied(labels.palette[planar.face_labels])
     left, right = colours[planar.left][arc], colours[planar.right][arc]
-    raw = _half_way(image, mesh, planar, left, right)
+    edge = _crossed_edges(mesh, planar)
+    shares = [_share(_pixels(image, edge[:, k]), left, right) for k in (0, 1)]
+    raw = _half_way(edge, shares, planar.left[arc] == 0)
     ends = _junction_means(mesh, planar, raw)
-    inner = np.flatnonzero(planar.left[arc] != 0)
+    hard, hard_points, hard_arc = _staircases(planar, arc, edge, shares)
+    inner = np.flatnonzero((planar.left[arc] != 0) & ~hard[arc])
+    inner = inner[_first_in_column(arc[inner], raw[inner], _tangents(planar, arc, raw)[inner])]
     tangent = _tangents(planar, arc, raw)[inner]
-    position, sure, column = _column_sums(image, raw[inner], tangent, left[inner], right[inner])
-    # Staircase steps and diagonals give the same column twice.
-    fresh = np.ones(len(inner), bool)
-    fresh[1:] = (arc[inner][1:] != arc[inner][:-1]) | (column[1:] != column[:-1])
+    position, sure = _column_sums(image, raw[inner], tangent, left[inner], right[inner])
     # Beside positions that are sure, a doubtful one only adds noise.
-    doubtful = ~sure
     near = np.zeros(len(inner), bool)
     near[1:] |= sure[:-1]
     near[:-1] |= sure[1:]
-    keep = fresh & ~(doubtful & near)
-    return arc[inner][keep], position[keep], np.where(sure, 1.0, 0.5)[keep], ends
+    keep = sure | ~near
+    weight = np.where(sure, 1.0, 0.5)[keep]
+    return (np.concatenate([arc[inner][keep], hard_arc]), np.concatenate([position[keep], hard_points]),
+            np.concatenate([weight, np.ones(len(hard_arc))]), ends, np.where(hard, SLACK, 0.0))
 
 
-def _half_way(image: np.ndarray, mesh: Mesh, planar: PlanarMap, left: np.ndarray,
-              right: np.ndarray) -> np.ndarray:
-    """Where each crossed mesh edge is half one colour, half the other; (N, 2)."""
+def _staircases(planar: PlanarMap, arc: np.ndarray, edge: np.ndarray,
+                shares: List[np.ndarray]) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Which arcs are not anti-aliased, and the points of those."""
+    step = edge[:, 1] - edge[:, 0]
+    axis = np.flatnonzero((np.abs(step).sum(axis=1) == 1) & (planar.left[arc] != 0))
+    upright = step[axis, 0] != 0
+    pure = (np.abs(shares[0][axis]) < FLAT) & (np.abs(shares[1][axis] - 1) < FLAT)
+    hard = hard_arcs(planar, arc[axis], upright, pure)
+    of_hard = hard[arc[axis]]
+    axis = axis[of_hard]
+    # The left side is where the edge ends: the walk goes at a right angle to it.
+    walk = np.stack([-step[axis, 1], step[axis, 0]], axis=1)
+    hard_arc, points = through_runs(planar.rings, arc[axis], walk, edge[axis].mean(axis=1))
+    return hard, points, hard_arc
+
+
+def _crossed_edges(mesh: Mesh, planar: PlanarMap) -> np.ndarray:
+    """Origin and end of each crossed mesh edge, (N, 2, 2)."""
     triangle, side = np.divmod(planar.crossings, 3)
-    origin = mesh.points(mesh.triangles[triangle, side])
-    end = mesh.points(mesh.triangles[triangle, (side + 1) % 3])
-    a = _share(_pixels(image, origin), left, right)
-    b = _share(_pixels(image, end), left, right)
+    ends = np.stack([mesh.triangles[triangle, side], mesh.triangles[triangle, (side + 1) % 3]], axis=1)
+    return mesh.points(ends)
+
+
+def _half_way(edge: np.ndarray, shares: List[np.ndarray], framed: np.ndarray) -> np.ndarray:
+    """Where each crossed mesh edge is half one colour, half the other; (N, 2)."""
+    a, b = shares
     rise = b - a
     half = np.where(rise > 0.2, (0.5 - a) / np.maximum(rise, 0.2), 0.5)
-    half = np.clip(half, 0.05, 0.95)
-    half[planar.left[np.repeat(np.arange(len(planar.tail)), np.diff(planar.starts))] == 0] = 0.5
-    return origin + half[:, None] * (end - origin)
+    half = np.where(framed, 0.5, np.clip(half, 0.05, 0.95))
+    return edge[:, 0] + half[:, None] * (edge[:, 1] - edge[:, 0])
+
+
+def _first_in_column(arc: np.ndarray, raw: np.ndarray, tangent: np.ndarray) -> np.ndarray:
+    """Crossings that begin a new pixel column (or row): steps and diagonals repeat the one before."""
+    cell = np.floor(raw)
+    upright = np.abs(tangent[:, 1]) > np.abs(tangent[:, 0])
+    column = np.where(upright, -1 - cell[:, 1], cell[:, 0])
+    fresh = np.ones(len(arc), bool)
+    fresh[1:] = (arc[1:] != arc[:-1]) | (column[1:] != column[:-1])
+    return fresh
 
 
 def _pixels(image: np.ndarray, points: np.ndarray) -> np.ndarray:
@@ -153,7 +184,7 @@ def _tangents(planar: PlanarMap, arc: np.ndarray, raw: np.ndarray) -> np.ndarray
 
 
 def _column_sums(image: np.ndarray, raw: np.ndarray, tangent: np.ndarray, left: np.ndarray,
-                 right: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+                 right: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """Sum the coverage across the edge, in its pixel column or row.
 
     Returns
@@ -162,8 +193,6 @@ def _column_sums(image: np.ndarray, raw: np.ndarray, tangent: np.ndarray, left: 
         `raw` where it is not sure.
     sure : ndarray of shape (N,) and dtype bool
         Both sides are flat within reach and nothing but their mixes lies between.
-    column : ndarray of shape (N,)
-        Number of the pixel column (or row) that was summed; never equal for both.
     """
     h, w = image.shape[:2]
     upright = np.abs(tangent[:, 1]) > np.abs(tangent[:, 0])
@@ -188,8 +217,7 @@ def _column_sums(image: np.ndarray, raw: np.ndarray, tangent: np.ndarray, left: 
     position = cell + 0.5
     position[upright, 0], position[~upright, 1] = along[upright], along[~upright]
     sure &= (np.abs(position - raw).max(axis=1) < 0.8) & (step != 0)
-    column = np.where(upright, -1 - cell[:, 1], cell[:, 0])
-    return np.where(sure[:, None], position, raw), sure, column
+    return np.where(sure[:, None], position, raw), sure
 
 
 def _sum_between_flats(share: np.ndarray, off: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
@@ -207,7 +235,7 @@ def _sum_between_flats(share: np.ndarray, off: np.ndarray) -> Tuple[np.ndarray, 
 
 
 def _assemble(mesh: Mesh, planar: PlanarMap, arc: np.ndarray, points: np.ndarray,
-              weight: np.ndarray, ends: np.ndarray) -> Polylines:
+              weight: np.ndarray, ends: np.ndarray, slack: np.ndarray) -> Polylines:
     """Put junctions at the ends of open arcs, and the picture's own border in place."""
     inner = planar.left[arc] != 0
     pieces = [(arc[inner], np.ones(inner.sum(), np.int64), points[inner], weight[inner])]
@@ -221,7 +249,7 @@ def _assemble(mesh: Mesh, planar: PlanarMap, arc: np.ndarray, points: np.ndarray
     arc, rank, points, weight = (np.concatenate(part) for part in zip(*pieces))
     order = np.lexsort((rank, arc))
     starts = np.searchsorted(arc[order], np.arange(len(planar.tail) + 1))
-    return Polylines(starts, points[order], weight[order])
+    return Polylines(starts, points[order], weight[order], slack)
 
 
 def _frame_corners(mesh: Mesh, planar: PlanarMap, arc: int, ends: np.ndarray) -> np.ndarray:

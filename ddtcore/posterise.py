@@ -9,19 +9,31 @@ from __future__ import annotations
 
 import numpy as np
 
-from .canvas import Canvas, mean_colours, premultiply, unpack
+from .canvas import Canvas, mean_colours, planes, premultiply, unpack
 from .merging import drop_unused, ward_groups
 from .model import Labels
+from .ramps import is_even
 
-_BUSY = 0.3
+_ROUGH = 0.55
+_LINES = 128
 _BINS = 256
 
 
 def is_noisy(canvas: Canvas) -> bool:
-    """Whether hardly any pixel equals the next one."""
+    """Whether most steps from pixel to pixel, in a sample of rows and columns, are neither zero nor even."""
     key = canvas.bare(canvas.keys)
-    equal = key[:, 1:] == key[:, :-1]
-    return np.count_nonzero(equal) < _BUSY * equal.size
+    rough = [_rough_share(lines[np.linspace(0, len(lines) - 1, min(len(lines), _LINES)).astype(int)], canvas.opaque)
+             for lines in (key, key.T)]
+    return min(rough) > _ROUGH
+
+
+def _rough_share(lines: np.ndarray, opaque: bool) -> float:
+    """Share of the steps along lines of packed pixels that are neither zero nor small and even."""
+    if lines.shape[1] < 4:
+        return 0.0
+    row, col = np.nonzero(lines[:, 1:-2] != lines[:, 2:-1])
+    even = is_even(*(planes(lines[row, col + k], opaque) for k in range(4)))
+    return np.count_nonzero(~even) / (len(lines) * (lines.shape[1] - 3))
 
 
 def posterise(canvas: Canvas, most: int) -> Labels:

@@ -14,7 +14,8 @@ from typing import Tuple
 import numpy as np
 
 from .canvas import Canvas
-from .components import link_components
+from .components import label_components, link_components
+from .sides import window
 
 STEP = 16.0
 """Largest step of a channel from pixel to pixel on a ramp, levels."""
@@ -28,8 +29,16 @@ LEVELS = 6
 AREA = 24
 """Smallest ramp, px²."""
 
+PIECE = 200
+"""Largest plateau that may be a piece of a ramp, px²."""
+
+SOFT = 14.0
+"""How far the colour of a piece may be from the ramp near it, levels."""
+
 SLOPING = 0.02
 """Smallest share of a ramp's pixels that differ from a neighbour."""
+
+_CHUNK = 1 << 18
 
 
 def find_ramps(canvas: Canvas) -> Tuple[np.ndarray, int]:
@@ -70,13 +79,21 @@ def find_ramps(canvas: Canvas) -> Tuple[np.ndarray, int]:
 def _even_steps(canvas: Canvas, equal: np.ndarray, step: int) -> np.ndarray:
     """Where a pixel equals the next one, or the step to it is small and like the steps before and after it."""
     cells = canvas.cells(~equal)
-    before, here, there, after = (canvas.colours(cells + k * step) for k in (-1, 0, 1, 2))
-    even = np.abs(there - here).max(axis=0) <= STEP
-    even &= np.abs(before + there - 2 * here).max(axis=0) <= BEND
-    even &= np.abs(here + after - 2 * there).max(axis=0) <= BEND
+    even = np.empty(cells.size, bool)
+    for start in range(0, cells.size, _CHUNK):
+        part = slice(start, start + _CHUNK)
+        even[part] = is_even(*(canvas.colours(cells[part] + k * step) for k in (-1, 0, 1, 2)))
     out = equal.ravel().copy()
     out[~out] = even
     return out.reshape(equal.shape)
+
+
+def is_even(before: np.ndarray, here: np.ndarray, there: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """Whether four pixels in a row (C, N) change by small and even steps."""
+    even = np.abs(there - here).max(axis=0) <= STEP
+    even &= np.abs(before + there - 2 * here).max(axis=0) <= BEND
+    even &= np.abs(here + after - 2 * there).max(axis=0) <= BEND
+    return even
 
 
 def _many_levels(area: np.ndarray, sloped: np.ndarray, key: np.ndarray) -> np.ndarray:
@@ -87,3 +104,27 @@ def _many_levels(area: np.ndarray, sloped: np.ndarray, key: np.ndarray) -> np.nd
     pairs = np.unique(here.astype(np.uint64) << np.uint64(32) | key[:-1, :-1][sloped])
     levels = np.bincount((pairs >> np.uint64(32)).astype(np.intp), minlength=size.size)
     return np.flatnonzero((size >= AREA) & (levels >= LEVELS) & (slopes >= SLOPING * size))
+
+
+def absorb_pieces(canvas: Canvas, labels: np.ndarray, slopes: np.ndarray) -> None:
+    """Make the small plateaus unknown that hardly differ from a ramp near them, in place.
+
+    Parameters
+    ----------
+    labels : ndarray of shape (P,) and dtype int32
+        Known labels with the rim, negative where unknown.
+    slopes : ndarray of shape (H, W) and dtype int32
+        Number of the ramp of each pixel, -1 where there is none.
+    """
+    plateau = label_components(np.where(slopes >= 0, -2, canvas.bare(labels)))
+    size = np.bincount(plateau.ravel())
+    small = (size[plateau] < PIECE) & (canvas.bare(labels) >= 0) & (slopes < 0)
+    cells = canvas.cells(small)
+    here = canvas.colours(cells)
+    sloped = canvas.rimmed(slopes >= 0, False)
+    like = np.zeros(cells.size, bool)
+    for step in window(canvas.stride, 1, 3):
+        like |= sloped[cells + step] & (np.abs(canvas.colours(cells + step) - here).max(axis=0) < SOFT)
+    plateau = plateau[small]
+    share = np.bincount(plateau, like, size.size) / size
+    labels[cells[share[plateau] >= 0.5]] = -1

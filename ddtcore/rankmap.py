@@ -115,7 +115,8 @@ def _fill(starts: np.ndarray, points: np.ndarray, left: np.ndarray, right: np.nd
     order = np.argsort(row * (2.0 * cols) + np.clip(x, 0, cols), kind="stable")
     at = (row * cols + np.clip(np.ceil(x), 0, cols).astype(np.int64))[order]
     # Both ends of a run agree unless arcs cross, and then the lower one is the safe one.
-    run = np.minimum(np.append(-1, after[order]), np.append(before[order], -1))
+    nothing = np.int32(-1)
+    run = np.minimum(np.append(nothing, after[order]), np.append(before[order], nothing))
     return np.repeat(run, np.diff(np.concatenate([[0], at, [rows * cols]]))).reshape(rows, cols)
 
 

@@ -108,7 +108,7 @@ def check_image(image: np.ndarray) -> np.ndarray:
         raise ImageError(f"image must have at least one pixel, not the shape {image.shape}")
     if image.ndim == 3 and image.shape[2] == 4:
         return np.ascontiguousarray(image)
-    rgba = np.full(image.shape[:2] + (4,), 255, dtype=np.uint8)
+    rgba = np.full((*image.shape[:2], 4), 255, dtype=np.uint8)
     rgba[..., :3] = image if image.ndim == 3 else image[..., None]
     return rgba
 

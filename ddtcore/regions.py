@@ -2,7 +2,7 @@
 """Which flat colour each pixel belongs to: the stage before the mesh.
 
 Flat art is plateaus of few colours, and anti-aliasing between them.  First come
-the pixels that are sure (plateaus, soft ramps), then strokes too thin to have
+the pixels that are sure (soft ramps, plateaus), then strokes too thin to have
 plateaus, then every pixel in between goes to the nearer of its two sides.
 """
 
@@ -12,13 +12,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from . import merging, palette, ramps, sides, strokes, threshold
-from .canvas import Canvas, planes, prepare, unpack
+from . import merging, palette, ramps, sides, strokes
+from .canvas import Canvas, mean_colours, planes, prepare, unpack
 from .model import Labels
 from .options import TraceOptions
+from .posterise import is_noisy, posterise
+from .threshold import label_steps
 
 MANY = 64
-"""Most colours of an automatic palette."""
+"""Most colours for a picture without flat ones."""
+
+QUIET = 4
+"""Largest noise of a picture that counts as clean, levels."""
 
 
 def label_pixels(image: np.ndarray, options: TraceOptions) -> Labels:
@@ -37,11 +42,11 @@ def label_pixels(image: np.ndarray, options: TraceOptions) -> Labels:
     """
     canvas = prepare(image)
     if options.regions == "threshold":
-        labels = threshold.label_steps(canvas, options.threshold)
-    elif palette.is_noisy(canvas):
-        labels = palette.posterise(canvas, options.colors or MANY)
+        labels = label_steps(canvas, options.threshold)
+    elif is_noisy(canvas):
+        labels = posterise(canvas, options.colors or MANY)
     else:
-        labels = _label_flat_art(canvas)
+        labels = label_flat_art(canvas)
     if options.colors:
         labels = merging.limit_colours(labels, options.colors)
     if options.speckle:
@@ -49,71 +54,54 @@ def label_pixels(image: np.ndarray, options: TraceOptions) -> Labels:
     return labels
 
 
-def _label_flat_art(canvas: Canvas) -> Labels:
-    """Labels of a picture made of flat colours, soft ramps and anti-aliasing."""
+def label_flat_art(canvas: Canvas) -> Labels:
+    """Label a picture made of flat colours, soft ramps and anti-aliasing between them."""
     slopes, count = ramps.find_ramps(canvas)
     plateaus = palette.find_plateaus(canvas, slopes >= 0)
-    keys = palette.choose_colours(canvas, plateaus, count > 0)
+    noise = palette.noise_level(canvas, plateaus, slopes >= 0)
+    if noise > QUIET:
+        slopes, count = np.full(canvas.shape, -1, np.int32), 0
+        plateaus = palette.find_plateaus(canvas, slopes >= 0)
+        keys = palette.choose_noisy_colours(canvas, plateaus, noise)
+    else:
+        keys = palette.choose_colours(canvas, plateaus, count > 0)
     if not keys.size and not count:
-        return palette.posterise(canvas, MANY)
-    known = palette.known_labels(canvas, plateaus, keys)
-    labels = canvas.rimmed(known, -1)
-    ridges = strokes.find_ridges(canvas, canvas.cells(~plateaus.core & (slopes < 0)))
-    keys = np.append(keys, strokes.new_colours(canvas, ridges, planes(keys, canvas.opaque), labels))
-    if count:
-        labels = canvas.rimmed(np.where(slopes >= 0, slopes + np.int32(keys.size), known), -1)
+        return posterise(canvas, MANY)
+    labels = palette.known_labels(canvas, plateaus, keys, noise)
+    cells = canvas.cells(~plateaus.core & (slopes < 0))
+    ridges = strokes.find_ridges(canvas, cells, strokes.LEAST + noise)
+    if noise <= QUIET:
+        more = strokes.new_colours(canvas, cells, ridges, planes(keys, canvas.opaque), labels)
+        if more.size:
+            keys = np.append(keys, more)
+            labels = palette.known_labels(canvas, plateaus, keys, noise)
     colours = unpack(keys).astype(np.float64)
     if count:
-        colours = np.concatenate([colours, threshold.mean_colours(canvas, slopes)])
-    thin, sharp = np.zeros(labels.size, bool), canvas
-    if keys.size:
-        thin, sharp = _label_strokes(canvas, labels, keys, ridges)
-    _label_mixed(canvas, sharp, labels, canvas.mixing(colours))
-    ramp = np.arange(len(colours)) >= keys.size
-    index = np.ascontiguousarray(canvas.bare(labels)).astype(np.int32)
-    return merging.drop_unused(Labels(index, colours, np.ascontiguousarray(canvas.bare(thin)), ramp))
+        ramps.absorb_pieces(canvas, labels, slopes)
+        canvas.bare(labels)[slopes >= 0] = slopes[slopes >= 0] + keys.size
+        colours = np.concatenate([colours, mean_colours(canvas, slopes)])
+    thin = _label_unknown(canvas, labels, ridges, keys, colours)
+    return merging.drop_unused(Labels(
+        index=np.ascontiguousarray(canvas.bare(labels)), palette=colours,
+        thin=np.ascontiguousarray(canvas.bare(thin)), ramp=np.arange(len(colours)) >= keys.size))
 
 
-def _label_strokes(canvas: Canvas, labels: np.ndarray, keys: np.ndarray, ridges: strokes.Ridges):
-    """Label the thin strokes; where they are, and the picture with their pixels in full colour."""
-    label = strokes.stroke_labels(canvas, ridges, planes(keys, canvas.opaque), labels)
-    thin = np.zeros(labels.size, bool)
-    sharp = canvas.keys.copy()
+def _label_unknown(canvas: Canvas, labels: np.ndarray, ridges: strokes.Ridges, keys: np.ndarray,
+                   colours: np.ndarray) -> np.ndarray:
+    """Label the thin strokes, then all other unknown pixels, in place; which pixels belong to strokes."""
+    unknown = canvas.cells(canvas.bare(labels) < 0)
+    label, share = strokes.stroke_labels(canvas, ridges, planes(keys, canvas.opaque), labels)
     taken = (label >= 0) & (labels[ridges.cells] < 0)
-    cells, label = ridges.cells[taken], label[taken]
+    cells, label, share = ridges.cells[taken], label[taken], share[taken]
     labels[cells] = label
+    sharp, thin = canvas.keys.copy(), np.zeros(labels.size, bool)
     sharp[cells] = keys[label]
+    full = replace(canvas, keys=sharp)
+    rest = canvas.cells(canvas.bare(labels) < 0)
+    sides.label_mixed(canvas, full, labels, rest, canvas.mixing(colours))
     thin[cells] = True
-    return thin, replace(canvas, keys=sharp)
-
-
-def _label_mixed(canvas: Canvas, sharp: Canvas, labels: np.ndarray, colours: np.ndarray) -> None:
-    """Give every pixel left the label of the nearer of its two sides, in place."""
-    cells = canvas.cells(canvas.bare(labels) < 0)
-    if not cells.size:
-        return
-    samples, close = sides.near_samples(labels, cells, canvas.stride)
-    pair = sides.best_pairs(canvas, sharp, cells, samples, close)
-    here = canvas.colours(cells)
-    _, share = sides.segment_distance(here, sharp.colours(pair[0]), sharp.colours(pair[1]))
-    nearest = labels[np.where(share < 0.5, pair[0], pair[1])]
-    alone = np.flatnonzero(pair[0] < 0)
-    nearest[alone] = _beside_one(here[:, alone], samples[0, alone], labels, sharp, colours)
-    labels[cells] = nearest
-
-
-def _beside_one(here: np.ndarray, sample: np.ndarray, labels: np.ndarray, sharp: Canvas,
-                colours: np.ndarray) -> np.ndarray:
-    """Labels of pixels with at most one known colour near: a mix of that with any, or the nearest colour."""
-    best = np.zeros(sample.size, labels.dtype)
-    least = np.full(sample.size, np.inf)
-    one = np.where(sample >= 0, sharp.colours(sample), here)
-    for k in range(colours.shape[1]):
-        other = np.broadcast_to(colours[:, k, None], here.shape)
-        mixed, share = sides.segment_distance(here, one, other)
-        plain = np.sqrt(((here - other) ** 2).sum(axis=0))
-        cost = np.where(sample >= 0, mixed + 0.05 * plain, plain)
-        better = cost < least
-        least[better] = cost[better]
-        best[better] = np.where((sample >= 0) & (share < 0.5), labels[sample], k)[better]
-    return best
+    lone = cells[strokes.lone_corners(labels, thin, cells, canvas.stride) & (share < 0.5)]
+    labels[lone], thin[lone] = -1, False
+    sides.label_mixed(canvas, full, labels, lone, canvas.mixing(colours))
+    sides.join_islands(canvas, full, labels, unknown)
+    return thin

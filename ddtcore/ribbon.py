@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A mesh whose edges can be flipped: half-edges, planes, and what a flip does to them.
+r"""A mesh whose edges can be flipped: half-edges, planes, and what a flip does to them.
 
 Two triangles t = (p, q, r) and u = (q, p, s) share the edge p-q: half-edge h in t, its
 twin g in u.  A flip replaces it by the edge r-s.  Half-edges run clockwise::
 
                 p                                p
-             /  |  \\                          /     \\
-        b  /    |    \\  m                b  /    t    \\  h
-         /      |      \\                  /      n      \\
+             /  |  \                          /     \
+        b  /    |    \  m                b  /    t    \  h
+         /      |      \                  /      n      \
         r   t  h|g  u   s      -->       r - - - - - - - s
-         \\      |      /                  \\      m      /
-        n  \\    |    /  c                g  \\    u    /  c
-             \\  |  /                          \\     /
+         \      |      /                  \      m      /
+        n  \    |    /  c                g  \    u    /  c
+             \  |  /                          \     /
                 q                                q
 
 So b and c stay as they are, h and g become the sides that m and n were, and these become

@@ -13,12 +13,16 @@ from typing import Tuple
 import numpy as np
 
 from .canvas import Canvas
+from .components import components
+from .mixes import segment_distance
 
 SLOTS = 4
 """How many colours near a pixel are considered."""
 
 _FAR = 50.0
 _ABSENT = 4.0
+_ISLAND = 2
+_EXPLAINED = 12.0
 _PAIRS = [(0, 1), (0, 2), (1, 2), (0, 3), (1, 3), (2, 3)]
 
 
@@ -26,9 +30,40 @@ def window(stride: int, low: int, high: int) -> np.ndarray:
     """Steps to the pixels whose larger distance in rows or columns is low..high, nearest first."""
     row, col = np.mgrid[-high:high + 1, -high:high + 1].reshape(2, -1)
     ring = np.maximum(abs(row), abs(col))
-    keep = (ring >= low) & (ring <= high)
     order = np.lexsort((row * row + col * col, ring))
-    return (row * stride + col)[order][keep[order]].astype(np.int32)
+    order = order[(ring[order] >= low) & (ring[order] <= high)]
+    return (row * stride + col)[order].astype(np.int32)
+
+
+def label_mixed(canvas: Canvas, sharp: Canvas, labels: np.ndarray, cells: np.ndarray, colours: np.ndarray) -> None:
+    """Give pixels the label of the nearer of their two sides.
+
+    Parameters
+    ----------
+    canvas, sharp : Canvas
+        The picture, and the picture with its labelled pixels in full colour.
+    labels : ndarray of shape (P,) and dtype int32
+        Labels with the rim, negative where unknown; changed in place.
+    cells : ndarray of shape (N,) and dtype int32
+        The pixels that are unknown.
+    colours : ndarray of shape (C, K) and dtype float32
+    """
+    if not cells.size:
+        return
+    pair, label, _ = _nearer_side(canvas, sharp, labels, cells)
+    lonely = np.flatnonzero(pair[1] < 0)
+    if lonely.size:
+        label[lonely] = _beside_one(canvas, sharp, labels, cells[lonely], pair[0, lonely], colours)
+    labels[cells] = label
+
+
+def _nearer_side(canvas: Canvas, sharp: Canvas, labels: np.ndarray,
+                 cells: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Samples of both sides, int32 (2, N); the label of the nearer one; how far the colour is off their mixes."""
+    samples, close = near_samples(labels, cells, canvas.stride)
+    pair = _best_pairs(canvas, sharp, cells, samples, close)
+    distance, share = segment_distance(canvas.colours(cells), sharp.colours(pair[0]), sharp.colours(pair[1]))
+    return pair, labels[np.where(share < 0.5, pair[0], pair[1])], distance
 
 
 def near_samples(labels: np.ndarray, cells: np.ndarray, stride: int) -> Tuple[np.ndarray, np.ndarray]:
@@ -51,14 +86,13 @@ def near_samples(labels: np.ndarray, cells: np.ndarray, stride: int) -> Tuple[np
     found = np.full((SLOTS, cells.size), -1, labels.dtype)
     count = np.zeros(cells.size, np.int8)
 
-    def scan(steps: np.ndarray, which: np.ndarray) -> None:
+    def scan(steps: np.ndarray, some: np.ndarray) -> None:
         for step in steps:
-            near = labels[cells[which] + step]
-            new = near >= 0
+            near = labels[cells[some] + step]
+            new = (near >= 0) & (count[some] < SLOTS)
             for slot in found:
-                new &= near != slot[which]
-            new &= count[which] < SLOTS
-            hit = which[new]
+                new &= near != slot[some]
+            hit = some[new]
             found[count[hit], hit] = near[new]
             samples[count[hit], hit] = cells[hit] + step
             count[hit] += 1
@@ -71,41 +105,86 @@ def near_samples(labels: np.ndarray, cells: np.ndarray, stride: int) -> Tuple[np
     return samples, close
 
 
-def segment_distance(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Distance of colours (C, ...) from the segments a-b, and how far along it the nearest point is (0 to 1)."""
-    along = b - a
-    off = points - a
-    share = np.einsum("i...,i...->...", off, along)
-    share /= np.maximum(np.einsum("i...,i...->...", along, along), 1e-6)
-    np.clip(share, 0, 1, out=share)
-    off -= share * along
-    return np.sqrt(np.einsum("i...,i...->...", off, off)), share
-
-
-def best_pairs(canvas: Canvas, sharp: Canvas, cells: np.ndarray, samples: np.ndarray, close: np.ndarray) -> np.ndarray:
-    """Choose the two samples that explain each pixel's neighbourhood.
-
-    Returns
-    -------
-    ndarray of shape (2, N) and dtype int32
-        Two pixel numbers; -1 where fewer than two labels are near.
-    """
+def _best_pairs(canvas: Canvas, sharp: Canvas, cells: np.ndarray, samples: np.ndarray,
+                close: np.ndarray) -> np.ndarray:
+    """The two samples whose mixes explain each pixel's neighbourhood best, int32 (2, N); -1 for want of any."""
     pair = samples[:2].copy()
-    pair[:, samples[1] < 0] = -1
     many = np.flatnonzero(samples[2] >= 0)
     if not many.size:
         return pair
-    steps = np.append(window(canvas.stride, 1, 1), 0)
-    around = canvas.colours(cells[many] + steps[:, None])
+    around = canvas.colours(cells[many] + np.append(window(canvas.stride, 1, 1), 0)[:, None])
     sides = sharp.colours(samples[:, many])
     least = np.full(many.size, np.inf, np.float32)
     for i, j in _PAIRS:
         some = np.flatnonzero(samples[j, many] >= 0)
+        at = many[some]
         distance, _ = segment_distance(around[:, :, some], sides[:, None, i, some], sides[:, None, j, some])
         np.minimum(distance, _FAR, out=distance)
         cost = distance[:-1].sum(axis=0) + 4 * distance[-1]
-        cost += _ABSENT * (2.0 - close[i, many[some]] - close[j, many[some]])
+        cost += _ABSENT * (2.0 - close[i, at] - close[j, at])
         better = cost < least[some]
         least[some[better]] = cost[better]
-        pair[:, many[some[better]]] = samples[[i, j]][:, many[some[better]]]
+        pair[0, at[better]], pair[1, at[better]] = samples[i, at[better]], samples[j, at[better]]
     return pair
+
+
+def _beside_one(canvas: Canvas, sharp: Canvas, labels: np.ndarray, cells: np.ndarray, sample: np.ndarray,
+                colours: np.ndarray) -> np.ndarray:
+    """Labels of pixels with at most one known colour near: the nearer side of its best mix with any other.
+
+    Colours that are met within 18 pixels are preferred.
+    """
+    here, alone = canvas.colours(cells), sample < 0
+    one = np.where(alone, here, sharp.colours(sample))
+    absent = ~met_around(canvas, labels, cells, colours.shape[1])
+    best = np.where(alone, 0, labels[sample])
+    least = np.full(cells.size, np.inf, np.float32)
+    for k in range(colours.shape[1]):
+        other = np.broadcast_to(colours[:, k, None], here.shape)
+        distance, share = segment_distance(here, one, other)
+        plain, _ = segment_distance(here, other, other)
+        cost = np.where(alone, plain, distance + 0.05 * plain) + _FAR * absent[k]
+        better = cost < least
+        least[better] = cost[better]
+        best[better] = np.where(alone | (share >= 0.5), k, labels[sample])[better]
+    return best
+
+
+def met_around(canvas: Canvas, labels: np.ndarray, cells: np.ndarray, count: int) -> np.ndarray:
+    """Which labels below `count` are met on the way from pixels in eight directions, bool (count, N)."""
+    met = np.zeros((count, cells.size), bool)
+    row, col = canvas.places(cells)
+    everything = np.arange(cells.size)
+    for radius in (1, 2, 3, 5, 8, 12, 18):
+        for down, across in ((-1, -1), (-1, 0), (-1, 1), (0, -1), (0, 1), (1, -1), (1, 0), (1, 1)):
+            there = canvas.numbers(np.clip(row + radius * down, 0, canvas.shape[0] - 1),
+                                   np.clip(col + radius * across, 0, canvas.shape[1] - 1))
+            label = labels[there]
+            known = (label >= 0) & (label < count)
+            met[label[known], everything[known]] = True
+    return met
+
+
+def join_islands(canvas: Canvas, sharp: Canvas, labels: np.ndarray, cells: np.ndarray) -> None:
+    """Relabel one or two pixels alone in their label, where other labels near explain them; in place.
+
+    `cells` are the pixels that were not known from the start, rising.
+    """
+    number = np.full(labels.size, -1, np.int32)
+    number[cells] = np.arange(cells.size, dtype=np.int32)
+    tied = np.zeros(cells.size, bool)
+    edges = []
+    for step in window(canvas.stride, 1, 1):
+        same = np.flatnonzero(labels[cells + step] == labels[cells])
+        other = number[cells[same] + step]
+        tied[same[other < 0]] = True
+        edges.append((same[other >= 0], other[other >= 0]))
+    part = components(cells.size, *(np.concatenate(ends) for ends in zip(*edges)))
+    held = np.bincount(part, tied) > 0
+    alone = np.flatnonzero(((np.bincount(part) <= _ISLAND) & ~held)[part])
+    if not alone.size:
+        return
+    before = labels[cells[alone]]
+    labels[cells[alone]] = -1
+    pair, label, distance = _nearer_side(canvas, sharp, labels, cells[alone])
+    labels[cells[alone]] = np.where((pair[1] >= 0) & (distance < _EXPLAINED), label, before)

@@ -95,7 +95,7 @@ def encoded(drawing: Drawing, compressed: bool = False) -> Iterator[bytes]:
     return _compress(pieces) if compressed else pieces
 
 
-def save(drawing: Drawing, path: Union[str, "os.PathLike[str]"]) -> None:
+def save(drawing: Drawing, path: Union[str, os.PathLike[str]]) -> None:
     """Write the document to a file, which appears complete or not at all.
 
     Parameters
@@ -177,9 +177,11 @@ def _paints(shapes: Sequence[Shape], unit: _Unit, ids: str, black: str = "") -> 
     paints = []
     for shape in shapes:
         fill = f' fill="{_colour(shape.rgb)}"' if any(shape.rgb) else black
-        if shape.gradient is not None:
+        if shape.gradient is None:
+            fill += _opacity("fill-opacity", shape.opacity)
+        else:
             fill = f' fill="url(#{ids}{numbers.setdefault(shape.gradient, len(numbers))})"'
-        paints.append(fill + _opacity("fill-opacity", shape.opacity))
+        paints.append(fill)
     defs = "".join(_gradient(gradient, f"{ids}{number}", unit) for gradient, number in numbers.items())
     return paints, f"<defs>{defs}</defs>" if defs else ""
 
@@ -188,9 +190,15 @@ def _gradient(gradient: Gradient, name: str, unit: _Unit) -> str:
     (x, y), (end_x, end_y) = gradient.start, gradient.end
     if gradient.kind == "linear":
         places = {"x1": x, "y1": y, "x2": end_x, "y2": end_y}
-    else:
+    elif gradient.across is None:
         places = {"cx": x, "cy": y, "r": math.hypot(end_x - x, end_y - y)}
+    else:
+        places = {}
     where = "".join(f' {key}="{unit.text(value)}"' for key, value in places.items())
+    if gradient.across is not None and gradient.kind == "radial":
+        columns = (end_x - x, end_y - y, gradient.across[0] - x, gradient.across[1] - y, x, y)
+        matrix = " ".join(unit.text(value) for value in columns)
+        where = f' cx="0" cy="0" r="1" gradientTransform="matrix({matrix})"'
     stops = "".join(f'<stop offset="{_fraction(offset)}" stop-color="{_colour(rgb)}"'
                     f'{_opacity("stop-opacity", opacity)}/>' for offset, rgb, opacity in gradient.stops)
     return (f'<{gradient.kind}Gradient id="{name}" gradientUnits="userSpaceOnUse"{where}>'
@@ -199,7 +207,7 @@ def _gradient(gradient: Gradient, name: str, unit: _Unit) -> str:
 
 def _colour(rgb: Tuple[int, int, int]) -> str:
     """The shortest name or number of a colour."""
-    number = "#%02x%02x%02x" % tuple(rgb)
+    number = "#{:02x}{:02x}{:02x}".format(*rgb)
     if number[1::2] == number[2::2]:
         number = "#" + number[1::2]
     return _SHORT_NAMES.get(number, number)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import os
 import shlex
 import shutil
+import signal
 import subprocess
 from functools import lru_cache
 from pathlib import Path
@@ -41,14 +42,20 @@ class Inkscape:
             (folder / name).symlink_to(ROOT / name)
 
     def run(self, *arguments, log=None):
-        """Run Inkscape on a virtual screen and return the finished process."""
+        """Run Inkscape on a virtual screen; it has to end by itself and without an error."""
         environment = dict(os.environ, INKSCAPE_PROFILE_DIR=str(self.profile))
         # The first python3 on the PATH runs the extension: the system's, as for most users.
         environment["PATH"] = os.pathsep.join(["/usr/bin", environment["PATH"]])
         if log:
             environment["DDT_TRACE_LOG"] = str(log)
-        return subprocess.run(["xvfb-run", "-a", *self.command, *map(str, arguments)], env=environment,
-                              capture_output=True, text=True, timeout=SECONDS, check=True)
+        process = subprocess.Popen(["xvfb-run", "-a", *self.command, *map(str, arguments)], env=environment,
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True)
+        try:
+            _, stderr = process.communicate(timeout=SECONDS)
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)  # a box on the screen waits for somebody to close it
+            raise
+        assert process.returncode == 0, stderr.decode(errors="replace")
 
     def trace(self, document, result, ids=(), log=None, **settings):
         """Trace pictures of a document through the menu action, with settings as the dialog keeps them."""
@@ -58,7 +65,7 @@ class Inkscape:
         action = EXTENSION_ID.replace("_", "-") + ".noprefs"
         select = [f"select-by-id:{','.join(ids)}"] if ids else []
         steps = [*select, action, f"export-filename:{result}", "export-do"]
-        return self.run("--batch-process", f"--actions={';'.join(steps)}", document, log=log)
+        self.run("--batch-process", f"--actions={';'.join(steps)}", document, log=log)
 
     def render(self, *documents):
         """Write a PNG beside each document."""

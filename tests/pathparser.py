@@ -59,7 +59,7 @@ def parse(data):
                 points.insert(0, _mirror(last_cubic, here))
             if kind == "t":
                 points.insert(0, _mirror(last_quadratic, here))
-            loops[-1].append([here] + points)
+            loops[-1].append([here, *points])
         last_cubic = points[1] if kind in "cs" else None
         last_quadratic = points[0] if kind in "qt" else None
         here = points[-1]

@@ -32,17 +32,17 @@ def planar_map(index) -> Tuple[PlanarMap, Polylines, Curves]:
     face, face_labels = _flood(label, triangles)
     arcs = _walk(label, triangles)
     junctions = sorted({end for arc in arcs for end in (arc[0], arc[-1]) if len(end) == 3})
+    number = {triangle: k for k, triangle in enumerate(junctions)}
     points, starts, tail, head, left, right = [], [0], [], [], [], []
     for arc in arcs:
-        ring = len(arc[0]) != 3
         points += [_place(item, width, height) for item in arc]
         starts.append(len(points))
-        tail.append(-1 if ring else junctions.index(arc[0]))
-        head.append(-1 if ring else junctions.index(arc[-1]))
+        tail.append(number.get(arc[0], -1))
+        head.append(number.get(arc[-1], -1))
         a, b = _sides(arc)
         left.append(face[a])
         right.append(face[b])
-    lines = Polylines(np.array(starts), np.array(points), np.ones(len(points)))
+    lines = Polylines(np.array(starts), np.array(points), np.ones(len(points)), np.zeros(len(arcs)))
     planar = PlanarMap(
         starts=np.zeros(len(arcs) + 1, np.int64), crossings=np.zeros(0, np.int32), tail=np.array(tail, np.int32),
         head=np.array(head, np.int32), left=np.array(left, np.int32), right=np.array(right, np.int32),
@@ -100,17 +100,15 @@ def _flood(label, triangles):
 
 def _walk(label, triangles):
     """Arcs as lists of mixed edges (pairs of vertices); open ones with junctions (triples) at both ends."""
-    around, junctions = {}, []
+    around, begins = {}, []
     for t in triangles:
         mixed = [tuple(sorted(e)) for e in zip(t, t[1:] + t[:1]) if label[e[0]] != label[e[1]]]
         if len(mixed) == 3:
-            junctions.append(t)
+            begins += [(t, edge) for edge in mixed]
         for edge in mixed:
             around.setdefault(edge, []).append((t, mixed))
     arcs, used = [], set()
-    for start in [(t, e) for t in junctions for e in sorted(around) if (t in [x for x, _ in around[e]])] \
-            + [(None, e) for e in sorted(around)]:
-        came, edge = start
+    for came, edge in begins + [(None, edge) for edge in sorted(around)]:
         if edge in used:
             continue
         arc = [] if came is None else [came]

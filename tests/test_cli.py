@@ -39,7 +39,7 @@ def process(*arguments, **settings):
     """Run the command line as a program of its own."""
     environment = {**os.environ, "PYTHONPATH": ROOT, "COLUMNS": "80"}
     return subprocess.run([sys.executable, "-m", "ddtcore", *arguments], env=environment,
-                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, **settings)
+                          capture_output=True, **settings)
 
 
 def lines(capsys):
@@ -86,7 +86,8 @@ def test_batch_goes_on_past_bad_files_and_sums_up(folder, capsys, jobs):
 def test_one_failure_is_one_line(folder, capsys):
     assert main(["bad.png"]) == 1
     out, error = lines(capsys)
-    assert out == [] and len(error) == 1 and error[0].endswith("bad.png is not a picture of a kind that can be read")
+    assert out == [] and len(error) == 1
+    assert error[0].endswith("bad.png is not a picture of a kind that can be read")
     assert main(["a.png", "-o", "no/folder/a.svg"]) == 1
     assert lines(capsys)[1][0].endswith("no/folder/a.svg can't be written: No such file or directory")
     assert new_files(folder) == []

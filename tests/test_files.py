@@ -56,7 +56,8 @@ def test_trace_file_writes_where_it_is_told(pictures, tmp_path):
 def test_trace_file_can_be_sent_to_other_processes(pictures):
     assert pickle.loads(pickle.dumps(trace_file)) is trace_file
     with ProcessPoolExecutor(2) as pool:
-        assert list(pool.map(ddtcore.trace_file, pictures[:3])) == [path[:-4] + ".svg" for path in pictures[:3]]
+        written = list(pool.map(ddtcore.trace_file, pictures[:3]))
+    assert written == [path[:-4] + ".svg" for path in pictures[:3]]
 
 
 def test_trace_file_raises(pictures, tmp_path):
@@ -121,7 +122,8 @@ def test_a_killed_worker_costs_its_picture_and_no_other(pictures, workers, monke
 
 @pytest.mark.parametrize("fault, said", [
     (RuntimeError("first line\nsecond line"), "unexpected RuntimeError: first line second line"),
-    (MemoryError(), "more memory than there is"), (OSError(28, "No space left on device"), "can't be written: No space")])
+    (MemoryError(), "more memory than there is"),
+    (OSError(28, "No space left on device"), "can't be written: No space")])
 def test_whatever_goes_wrong_becomes_one_line(pictures, monkeypatch, fault, said):
     def fail(*arguments):
         raise fault

@@ -70,12 +70,12 @@ def test_presets_change_what_they_say_and_give_way_to_changes(name):
     for setting in SETTINGS:
         assert getattr(preset, setting) == PRESETS[name].get(setting, SETTINGS[setting].default)
     assert TraceOptions.preset(name, tolerance=1.5).tolerance == 1.5
-    with pytest.raises(ValueError, match="^tolerance must"):
+    with pytest.raises(ValueError, match=r"^tolerance must"):
         TraceOptions.preset(name, tolerance=-1)
 
 
 def test_unknown_preset_is_named():
-    with pytest.raises(ValueError, match="^preset must be one of .*clip-art.*'cartoon'"):
+    with pytest.raises(ValueError, match=r"^preset must be one of .*clip-art.*'cartoon'"):
         TraceOptions.preset("cartoon")
 
 

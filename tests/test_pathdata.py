@@ -97,16 +97,25 @@ def chain(*cubics):
     ([chain([(0, 0), (0, 3), (2, 5), (5, 5)], [(5, 5), (8, 5), (9, 1), (5, 0)],
             [(5, 0), (4, 0), (3, -1), (0, 0)])], 0, "M0 0c0 3 2 5 5 5s4-4 0-5c-1 0-2-1-5 0z"),
     ([spline([(0, 0), (8, 0), (8, 8), (0, 8)])], 0, "M0 4q0-4 4-4t4 4-4 4-4-4z"),
+    ([polygon([(101, 101), (99, 103), (104, 99)])], 0, "m101 101-2 2 5-4z"),
 ], ids=["h v H", "far from 0", "signs and points part", "absolute move", "relative move with lines",
-        "first handle on the start", "cubic", "mirrored handle", "mirrored control point"])
+        "first handle on the start", "cubic", "mirrored handle", "mirrored control point",
+        "move with lines"])
 def test_shortest_form(loops, decimals, expected):
     assert path_data(loops, decimals) == expected
 
 
+def test_only_a_cubic_lends_its_handle_to_the_next():
+    control = np.array([[(0, 0), (2, 4), (2, 4), (5, 5)], [(5, 5), (8, 6), (9, 1), (6, 0)],
+                        [(6, 0), (9, 9), (8, 1), (5, 0)], [(5, 0), (2, -1), (1, 1), (0, 0)]], dtype=float)
+    degree = np.array([QUADRATIC, CUBIC, LINE, CUBIC], np.uint8)
+    assert path_data([Loop(control, degree)], 0) == "M0 0q2 4 5 5c3 1 4-4 1-5H5c-3-1-4 1-5 0z"
+
+
 def test_cubics_with_both_handles_on_the_chord_are_lines():
     control = np.array([[(0, 0), (1, 1), (2, 2), (3, 3)], [(3, 3), (6, 3), (2, 3), (0, 3)],
-                        [(0, 3), (0, 2), (0, 1), (0, 0)]], dtype=float)
-    assert path_data([Loop(control, np.full(3, CUBIC))], 0) == "M0 0l3 3c3 0-1 0-3 0z"
+                        [(0, 3), (0, 2), (0, -1), (0, 1)], [(0, 1), (0, 1), (0, 0), (0, 0)]], dtype=float)
+    assert path_data([Loop(control, np.full(4, CUBIC))], 0) == "M0 0l3 3c3 0-1 0-3 0 0-1 0-4 0-2z"
 
 
 def test_what_is_too_small_for_the_grid_vanishes_without_a_trace():

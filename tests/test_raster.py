@@ -114,7 +114,8 @@ def test_exif_orientation_is_applied(orientation, turned):
 
 
 def test_broken_exif_does_not_cost_the_picture():
-    data = written(Image.fromarray(RGBA[..., :3]), "PNG", exif=b"Exif\0\0II*\0\xff\xff\xff\x7f" + b"\x12\x01" * 9)
+    broken = b"Exif\0\0II*\0\xff\xff\xff\x7f" + b"\x12\x01" * 9
+    data = written(Image.fromarray(RGBA[..., :3]), "PNG", exif=broken)
     assert (load_image(data) == RGBA).all()
 
 
@@ -182,7 +183,7 @@ def test_pillow_is_left_as_it_was():
 
 @pytest.mark.parametrize("data", (b"", b"hello", b"\x89PNG\r\n\x1a\n", b"%PDF-1.4"))
 def test_what_is_no_picture(data):
-    with pytest.raises(ImageError, match="^the input "):
+    with pytest.raises(ImageError, match=r"^the input "):
         load_image(data)
 
 
@@ -218,7 +219,8 @@ def test_arrays_become_rgba():
     assert turned.flags.c_contiguous and (turned == RGBA.swapaxes(0, 1)[::-1]).all()
 
 
-@pytest.mark.parametrize("shape", [(), (5,), (5, 7, 1), (5, 7, 2), (5, 7, 5), (2, 5, 7, 4), (0, 7, 4), (5, 0)])
+@pytest.mark.parametrize("shape", [
+    (), (5,), (5, 7, 1), (5, 7, 2), (5, 7, 5), (2, 5, 7, 4), (0, 7, 4), (5, 0)])
 def test_other_shapes_are_named(shape):
     with pytest.raises(ImageError) as caught:
         check_image(np.zeros(shape, dtype=np.uint8))

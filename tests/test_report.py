@@ -69,7 +69,8 @@ def test_text_and_json_say_the_same():
     read = json.loads(figures.to_json())
     assert read == figures.to_dict() and "\n" not in figures.to_json()
     assert (read["picture"], read["width"], read["height"]) == ("a picture.png", 12, 9)
-    assert read["ratios"] == {"bmp/svg": figures.bmp / figures.svg, "ddt_svg/svgz": figures.ddt_svg / figures.svgz}
+    assert read["ratios"]["bmp/svg"] == figures.bmp / figures.svg
+    assert read["ratios"]["ddt_svg/svgz"] == figures.ddt_svg / figures.svgz
     text = figures.to_text()
     assert text.splitlines()[0] == "a picture.png, 12 x 9 px"
     for number in list(read["bytes"].values()) + list(read["counts"].values()):

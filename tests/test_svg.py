@@ -89,14 +89,16 @@ def test_order_and_fills_survive_the_sharing_of_attributes():
     assert text.count("red") == 3 and text.count("<g") == 2
 
 
-@pytest.mark.parametrize("opacity, expected", [(1.0, None), (0.5, ".5"), (1 / 255, ".004"), (254 / 255, ".996")])
+@pytest.mark.parametrize("opacity, expected", [
+    (1.0, None), (0.5, ".5"), (1 / 255, ".004"), (254 / 255, ".996")])
 def test_opacity(opacity, expected):
     root = ElementTree.fromstring(document(drawing(shape([rectangle(0, 0, 2, 2)], opacity=opacity))))
     assert root[0].get("fill-opacity") == expected
 
 
 LINEAR = Gradient("linear", (1.0, 2.0), (11.5, 2.0), ((0.0, (255, 0, 0), 1.0), (1.0, (0, 0, 255), 0.5)))
-RADIAL = Gradient("radial", (5.0, 5.0), (8.0, 9.0), ((0.0, (0, 0, 0), 1.0), (0.25, (1, 1, 1), 1.0), (1.0, (2, 2, 2), 1.0)))
+RADIAL = Gradient("radial", (5.0, 5.0), (8.0, 9.0), (
+    (0.0, (0, 0, 0), 1.0), (0.25, (1, 1, 1), 1.0), (1.0, (2, 2, 2), 1.0)))
 
 
 def test_gradients_lie_where_they_belong_and_are_defined_once():
@@ -111,13 +113,15 @@ def test_gradients_lie_where_they_belong_and_are_defined_once():
     assert [(stop.get("offset"), stop.get("stop-color"), stop.get("stop-opacity")) for stop in linear] == [
         ("0", "red", None), ("1", "#00f", ".5")]
     fills = [fill for fill, _ in paths_with_fills(root)]
-    assert fills == [f"url(#{linear.get('id')})", "#0a141e", f"url(#{radial.get('id')})", f"url(#{linear.get('id')})"]
+    first, second = f"url(#{linear.get('id')})", f"url(#{radial.get('id')})"
+    assert fills == [first, "#0a141e", second, first]
 
 
 def test_group_is_in_pixels_with_names_and_ids_of_its_own():
     odd = 'a "name" <with> & ümlaut'
     loops = [random_loop(np.random.default_rng(2), 9, size=30)]
-    root = ElementTree.fromstring(group(drawing(shape(loops, name=odd, gradient=LINEAR)), names=True, ids="trace7-"))
+    made = drawing(shape(loops, name=odd, gradient=LINEAR))
+    root = ElementTree.fromstring(group(made, names=True, ids="trace7-"))
     assert root.tag == SVG + "g" and not root.get("transform")
     assert root.find(SVG + "defs")[0].get("id") == "trace7-0"
     assert root.find(SVG + "defs")[0].get("x2") == "11.5"
@@ -126,13 +130,14 @@ def test_group_is_in_pixels_with_names_and_ids_of_its_own():
     assert parse(path.get("d")) == parse(path_data(loops, 1))
 
 
-def mesh(filled):
+def mesh(filled, decimals=0):
     """Two quads, of which one diagonal leans each way; the last triangle is transparent."""
     points = np.array([[(0.5, 0.5), (1.5, 0.5), (0.5, 1.5)], [(1.5, 0.5), (1.5, 1.5), (0.5, 1.5)],
                        [(1.5, 0.5), (2.5, 0.5), (2.5, 1.5)], [(1.5, 0.5), (2.5, 1.5), (1.5, 1.5)]])
     rgb = np.array([(255, 0, 0), (0, 0, 0), (1, 2, 3), (9, 9, 9)], dtype=np.uint8)
     border = np.array([False, True, False, False])
-    return drawing(triangles=Triangles(points, rgb, np.array([1, 1, 0.5, 0]), border, filled), decimals=0)
+    opacity = np.array([1, 1, 0.5, 0])
+    return drawing(triangles=Triangles(points, rgb, opacity, border, filled), decimals=decimals)
 
 
 @pytest.mark.parametrize("write", (document, group))
@@ -148,7 +153,7 @@ def test_filled_mesh_has_the_form_of_the_paper(write):
 
 
 def test_bare_mesh_marks_the_border_triangles():
-    root = ElementTree.fromstring(document(mesh(False)))
+    root = ElementTree.fromstring(document(mesh(False, decimals=2)))
     assert root.get("viewBox") == "0 0 40 30"
     regular, border = root.iter(SVG + "path")
     assert (regular.get("fill"), border.get("fill")) == ("none", "#f93")
@@ -210,7 +215,8 @@ class TestUnix:
     def test_pipe_is_written_to_and_not_replaced(self, tmp_path):
         os.mkfifo(tmp_path / "pipe.svg")
         read = []
-        reader = threading.Thread(target=lambda: read.append((tmp_path / "pipe.svg").read_text()), daemon=True)
+        reader = threading.Thread(
+            target=lambda: read.append((tmp_path / "pipe.svg").read_text()), daemon=True)
         reader.start()
         save(example(), tmp_path / "pipe.svg")
         reader.join(10)

@@ -125,6 +125,16 @@ def test_at_boundaries_four_rounds_are_done(art):
 
 
 @pytest.mark.parametrize("art", CLIP_ART)
+def test_everywhere_look_ahead_follows_when_single_flips_are_done(art):
+    image = clip_art(art, shrink=2)
+    options = TraceOptions(flips="everywhere")
+    ribbon, _ = start_ribbon(image, one_label(image), options)
+    single, ahead = (sum(flip_rounds(ribbon, options.work, look_ahead)) for look_ahead in (False, True))
+    assert ahead > 0
+    assert triangulate(image, one_label(image), options).flips == single + ahead
+
+
+@pytest.mark.parametrize("art", CLIP_ART)
 def test_flips_enlarge_clip_art_better_than_the_diagonals_they_start_from(art):
     truth = premultiplied_levels(clip_art(art))
     image = clip_art(art, shrink=4)

@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Along which lines, circles or ellipses the colour of a region is constant.
+
+The lines of equal colour of a gradient are those of a polynomial q: a plane for a
+linear gradient, a circular or elliptic paraboloid for a radial one.  Wherever the
+colour has a slope, q's own is parallel to it and the cross product of the two
+vanishes; that is an eigenvalue problem for the coefficients of q, whatever the stops
+may be.  Gauss-Newton steps then fit the direction or the centre to the colours
+themselves, with the colours along the gradient eliminated (variable projection: Golub
+and Pereyra, SIAM Journal on Numerical Analysis 10, 1973).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Optional, Tuple
+
+import numpy as np
+
+from .stops import hats
+
+_FAR = 30.0
+"""Greatest distance of a centre from the middle of the region, in units of the region's size."""
+
+_STRIP = 0.98
+"""An ellipse more oblong than this has no use (0 for a circle, 1 for a strip)."""
+
+_KNOTS = 12
+_STEPS = 8
+
+
+class Samples(NamedTuple):
+    """Colours of a region.
+
+    Attributes
+    ----------
+    points : ndarray of shape (n, 2)
+    colour : ndarray of shape (n, C)
+        RGB, or premultiplied RGBA, 0 to 255.
+    count : ndarray of shape (n,)
+        Pixels that each sample stands for.
+    """
+
+    points: np.ndarray
+    colour: np.ndarray
+    count: np.ndarray
+
+
+class Field(NamedTuple):
+    """How far along a gradient each point lies: the length along an axis, or the distance from a centre.
+
+    Attributes
+    ----------
+    kind : {'linear', 'radial'}
+    values : ndarray of shape (1,), (2,) or (4,)
+        Linear: the angle of the axis.  Radial: x and y of the centre and, if distances are
+        elliptic, e and f of the matrix ((1 + e, f), (f, 1 - e)) that measures their squares.
+    """
+
+    kind: str
+    values: np.ndarray
+
+    @property
+    def matrix(self) -> np.ndarray:
+        """What measures squared distances from the centre."""
+        e, f = self.values[2:] if len(self.values) == 4 else (0.0, 0.0)
+        return np.array([[1 + e, f], [f, 1 - e]])
+
+    @property
+    def axis(self) -> np.ndarray:
+        """Direction of a linear field."""
+        return np.array([np.cos(self.values[0]), np.sin(self.values[0])])
+
+    def places(self, points: np.ndarray) -> np.ndarray:
+        """How far along each point (n, 2) lies, (n,)."""
+        if self.kind == "linear":
+            return points.dot(self.axis)
+        offset = points - self.values[:2]
+        return np.sqrt(np.maximum(np.einsum("ni,ni->n", offset.dot(self.matrix), offset), 0))
+
+    def changes(self, points: np.ndarray) -> np.ndarray:
+        """Derivatives (n, P) of the places by the values."""
+        if self.kind == "linear":
+            return points.dot([[-self.axis[1]], [self.axis[0]]])
+        x, y = offset = (points - self.values[:2]).T
+        changes = np.stack([*-self.matrix.dot(offset), (x * x - y * y) / 2, x * y], axis=1)
+        return changes[:, :len(self.values)] / np.maximum(self.places(points), 1e-6)[:, None]
+
+    @property
+    def sound(self) -> bool:
+        """Whether a radial field has a centre in reach and is no strip."""
+        return self.kind == "linear" or bool(
+            np.hypot(*self.values[:2]) < _FAR and np.hypot(*self.matrix[0] - (1, 0)) < _STRIP)
+
+
+def squares(points: np.ndarray, side: float) -> Tuple[np.ndarray, int]:
+    """Number of the square that each point (n, 2) lies in, and how many have points."""
+    column, row = np.floor((points - points.min(axis=0)) / side).astype(np.int64).T
+    _, number = np.unique(row * (column.max() + 1) + column, return_inverse=True)
+    return number, int(number.max()) + 1
+
+
+class Slopes(NamedTuple):
+    """How the colour changes, square by square: where, by how much, and from how many pixels."""
+
+    points: np.ndarray   # (m, 2)
+    slope: np.ndarray    # (m, 2, C)
+    count: np.ndarray    # (m,)
+
+
+def slopes(samples: Samples, side: float) -> Slopes:
+    """Fit a plane to the colours in each square of a grid."""
+    number, cells = squares(samples.points, side)
+
+    def total(values: np.ndarray) -> np.ndarray:
+        return np.bincount(number, samples.count * values, cells)
+
+    size = total(np.ones(len(number)))
+    middle = np.stack([total(p) / size for p in samples.points.T], axis=1)
+    x, y = (samples.points - middle[number]).T
+    spread = np.array([[total(x * x), total(x * y)], [total(x * y), total(y * y)]])
+    # What is nearly a line tells nothing about the slope across it.
+    spread += 0.01 * side**2 * size * np.eye(2)[..., None]
+    rise = np.array([[total(v * c) for c in samples.colour.T] for v in (x, y)])
+    return Slopes(middle, np.linalg.solve(np.moveaxis(spread, 2, 0), np.moveaxis(rise, 2, 0)), size)
+
+
+def first_field(known: Slopes, kind: str, elliptic: bool = False) -> Optional[Field]:
+    """The field whose slopes are most nearly parallel to those of the colour.
+
+    Returns
+    -------
+    Field or None
+        None where the lines of equal colour are not of this kind.
+    """
+    x, y = known.points.T
+    one, none = np.ones_like(x), np.zeros_like(x)
+    basis = [(one, none), (none, one)]
+    if kind == "radial":
+        basis += [(2 * x, 2 * y), (2 * x, -2 * y), (2 * y, 2 * x)][:3 if elliptic else 1]
+    basis = np.moveaxis(np.array(basis), 2, 0)
+    cross = basis[:, :, :1] * known.slope[:, None, 1] - basis[:, :, 1:] * known.slope[:, None, 0]
+    steep = known.count * (known.slope ** 2).sum(axis=(1, 2))
+    q = _least(np.einsum("m,mpc,mqc->pq", known.count, cross, cross),
+               np.einsum("m,mpi,mqi->pq", steep, basis, basis))
+    if kind == "linear":
+        return Field("linear", np.arctan2(q[1:], q[:1]))
+    shape = np.concatenate([q[3:], np.zeros(5 - len(q))]) / (q[2] or 1e-12)
+    matrix = np.array([[1 + shape[0], shape[1]], [shape[1], 1 - shape[0]]])
+    if np.hypot(*shape) > _STRIP:
+        return None
+    centre = np.linalg.solve(matrix, q[:2]) / (-2 * (q[2] or 1e-12))
+    field = Field("radial", np.concatenate([centre, shape]) if elliptic else centre)
+    return field if field.sound else None
+
+
+def _least(matrix: np.ndarray, norm: np.ndarray) -> np.ndarray:
+    """The vector v that makes v·matrix·v / v·norm·v least."""
+    norm = norm + (1e-9 * np.trace(norm) + 1e-300) * np.eye(len(norm))
+    half = np.linalg.inv(np.linalg.cholesky(norm))
+    return np.linalg.eigh(half.dot(matrix).dot(half.T))[1][:, 0].dot(half)
+
+
+def refined(field: Field, samples: Samples) -> Field:
+    """The field moved until it explains the colours best, with free colours along it."""
+    state = _linearise(field, samples)
+    damping = 1e-3
+    for _ in range(_STEPS):
+        diagonal = np.diag(np.diag(state.matrix) * damping + 1e-12)
+        step = np.linalg.solve(state.matrix + diagonal, state.pull)
+        moved = Field(field.kind, field.values + step)
+        ahead = _linearise(moved, samples) if moved.sound else None
+        if ahead is None or ahead.error >= state.error:
+            damping *= 30
+            continue
+        done = ahead.error > 0.999 * state.error
+        field, state, damping = moved, ahead, damping / 10
+        if done:
+            break
+    return field
+
+
+class _State(NamedTuple):
+    error: float
+    matrix: np.ndarray   # (P, P)
+    pull: np.ndarray     # (P,)
+
+
+def _linearise(field: Field, samples: Samples) -> _State:
+    """Error of a field, and the normal equations of a step that lowers it."""
+    place = field.places(samples.points)
+    knots = np.linspace(place.min(), place.max() + 1e-9, _KNOTS)
+    share = hats(place, knots)
+    weighted = share * samples.count[:, None]
+    bend = np.diff(np.eye(_KNOTS), 2, axis=0)
+    total = samples.count.sum()
+    matrix = weighted.T.dot(share) + 1e-4 * total * bend.T.dot(bend) + 1e-9 * total * np.eye(_KNOTS)
+    values = np.linalg.solve(matrix, weighted.T.dot(samples.colour))
+    off = samples.colour - share.dot(values)
+    steep = np.diff(values, axis=0) / (knots[1] - knots[0])
+    interval = np.clip(((place - knots[0]) / (knots[1] - knots[0])).astype(np.intp), 0, _KNOTS - 2)
+    moves = steep[interval][:, :, None] * field.changes(samples.points)[:, None]
+    flat = moves.reshape(len(place), -1)
+    moves = (flat - share.dot(np.linalg.solve(matrix, weighted.T.dot(flat)))).reshape(moves.shape)
+    return _State(float(samples.count.dot((off ** 2).sum(axis=1))),
+                  np.einsum("n,ncp,ncq->pq", samples.count, moves, moves),
+                  np.einsum("n,ncp,nc->p", samples.count, moves, off))

@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The gradient that explains the colours of a region, if one pays for its bytes."""
+
+from __future__ import annotations
+
+from typing import List, Optional, Tuple
+
+import numpy as np
+
+from .field import Field, Samples, first_field, refined, slopes, squares
+from .model import Gradient
+from .stops import choose_stops, profile
+
+PRICE = 16.0
+"""What a byte of the file must save, squared levels of a channel times px."""
+
+BYTES = 150
+"""Size of a gradient with two stops, and of what refers to it."""
+
+STOP_BYTES = 35
+ELLIPSE_BYTES = 40
+
+_EXACT = 0.25
+"""Mean squared error per channel that no other gradient need try to lower, squared levels."""
+
+_CELLS = 2000
+"""Pixels are averaged in squares until there are about this many at most."""
+
+_REACH = 0.75
+"""How far a gradient reaches beyond the outermost pixel centres, px."""
+
+
+def fit_gradient(samples: Samples, reach: np.ndarray) -> Optional[Gradient]:
+    """Find the cheapest gradient for a region.
+
+    Parameters
+    ----------
+    samples : Samples
+        Colours well inside the region.
+    reach : ndarray of shape (m, 2)
+        Points up to which the gradient must go on.
+
+    Returns
+    -------
+    Gradient or None
+        None where the mean colour is the cheapest.
+    """
+    middle = np.average(samples.points, axis=0, weights=samples.count)
+    spread = np.average((samples.points - middle) ** 2, axis=0, weights=samples.count).sum()
+    size = np.sqrt(spread)
+    if size == 0:
+        return None
+    cells = _averaged(samples)
+    known = slopes(samples, max(3.0, np.sqrt(samples.count.sum()) / 8))
+    local = cells._replace(points=(cells.points - middle) / size)
+    known = known._replace(points=(known.points - middle) / size)
+
+    best, least = None, _error(cells, np.average(cells.colour, axis=0, weights=cells.count))
+    exact = _EXACT * samples.count.sum() * cells.colour.shape[1]
+    for kind, elliptic in (("linear", False), ("radial", False), ("radial", True)):
+        if least <= exact + PRICE * BYTES:
+            break
+        field = first_field(known, kind, elliptic)
+        if field is None:
+            continue
+        field = refined(field, local)
+        gradient = _with_stops(field, local, (reach - middle) / size, _REACH / size, middle, size)
+        cost = _error(cells, colours_at(gradient, cells.points)[:, :cells.colour.shape[1]]) + price(gradient)
+        if cost < least:
+            best, least = gradient, cost
+    return best
+
+
+def price(gradient: Gradient) -> float:
+    """What a gradient must save to be worth its bytes, squared levels times px."""
+    size = BYTES + STOP_BYTES * (len(gradient.stops) - 2) + (ELLIPSE_BYTES if gradient.across else 0)
+    return PRICE * size
+
+
+def _error(samples: Samples, colour: np.ndarray) -> float:
+    return float(samples.count.dot(((samples.colour - colour) ** 2).sum(axis=1)))
+
+
+def _averaged(samples: Samples) -> Samples:
+    """Fewer samples, each the mean over a small square."""
+    side = np.ceil(np.sqrt(samples.count.sum() / _CELLS))
+    if side <= 1:
+        return samples
+    number, cells = squares(samples.points, side)
+    count = np.bincount(number, samples.count, cells)
+
+    def mean(values: np.ndarray) -> np.ndarray:
+        return np.stack([np.bincount(number, samples.count * v, cells) for v in values.T], axis=1) / count[:, None]
+
+    return Samples(mean(samples.points), mean(samples.colour), count)
+
+
+def _with_stops(field: Field, samples: Samples, reach: np.ndarray, margin: float, middle: np.ndarray,
+                size: float) -> Gradient:
+    """The gradient along a field, in the coordinates of the picture."""
+    place = field.places(samples.points)
+    low, length = place.min(), max(np.ptp(place), 1e-9)
+    bins = profile((place - low) / length, samples.colour, samples.count)
+    knots, values, _ = choose_stops(bins, PRICE * STOP_BYTES)
+    knots = low + knots * length
+    ends = field.places(reach)
+    lowest, highest = ends.min() - margin, ends.max() + margin
+    if field.kind == "radial":
+        lowest = max(lowest, 0.0)
+    near = 1.5 / 64 * length
+    if knots[0] < low + near:
+        knots, values = _prolonged(knots, values, lowest)
+    if knots[-1] > low + length - near:
+        knots, values = (a[::-1] for a in _prolonged(knots[::-1], values[::-1], highest))
+    stops = _stops(knots, values, 0.0 if field.kind == "radial" else knots[0])
+    if field.kind == "linear":
+        start, end = (middle + size * knot * field.axis for knot in (knots[0], knots[-1]))
+        return Gradient("linear", _pair(start), _pair(end), stops)
+    centre = middle + size * field.values[:2]
+    radius = size * knots[-1]
+    measure, axes = np.linalg.eigh(field.matrix)
+    ends = centre + radius * (axes / np.sqrt(measure)).T
+    return Gradient("radial", _pair(centre), _pair(ends[0]), stops,
+                    _pair(ends[1]) if len(field.values) == 4 else None)
+
+
+def _prolonged(knots: np.ndarray, values: np.ndarray, end: float) -> Tuple[np.ndarray, np.ndarray]:
+    """The first stop moved out to `end` along the slope that it begins, as far as its colour allows."""
+    knots, values = knots.copy(), values.copy()
+    step = values[0] - values[1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        room = np.where(step > 0, (255 - values[0]) / step, np.where(step < 0, values[0] / -step, np.inf))
+    share = min((end - knots[0]) / (knots[0] - knots[1]), room.min(), 1.0)
+    if share > 0:
+        knots[0] += share * (knots[0] - knots[1])
+        values[0] += share * step
+    return knots, values
+
+
+def _stops(knots: np.ndarray, values: np.ndarray, begin: float) -> Tuple:
+    offsets = (knots - begin) / (knots[-1] - begin)
+    levels = np.clip(np.rint(values), 0, 255).astype(int).tolist()
+    return tuple((round(offset, 4), (r, g, b), round(alpha[0] / 255, 4) if alpha else 1.0)
+                 for offset, (r, g, b, *alpha) in zip(offsets.tolist(), levels))
+
+
+def _pair(point: np.ndarray) -> Tuple[float, float]:
+    x, y = np.round(point, 2).tolist()
+    return x, y
+
+
+def colours_at(gradient: Gradient, points: np.ndarray) -> np.ndarray:
+    """Colours of a gradient.
+
+    Parameters
+    ----------
+    gradient : Gradient
+    points : ndarray of shape (n, 2)
+
+    Returns
+    -------
+    ndarray of shape (n, 4) and dtype float64
+        Premultiplied RGBA, 0 to 255.
+    """
+    offsets = np.array([stop[0] for stop in gradient.stops])
+    stops = np.array([(*stop[1], 255 * stop[2]) for stop in gradient.stops], float)
+    place = _offsets_at(gradient, points)
+    colour = np.stack([np.interp(place, offsets, channel) for channel in stops.T], axis=1)
+    colour[:, :3] *= colour[:, 3:] / 255
+    return colour
+
+
+def _offsets_at(gradient: Gradient, points: np.ndarray) -> np.ndarray:
+    """How far along each point lies, 0 at the start and 1 at the end."""
+    start = np.array(gradient.start)
+    along = np.array(gradient.end) - start
+    offset = points - start
+    if gradient.kind == "linear":
+        return offset.dot(along) / max(along.dot(along), 1e-12)
+    across = np.array(gradient.across) - start if gradient.across else np.array([-along[1], along[0]])
+    frame = np.stack([along, across], axis=1)
+    return np.hypot(*np.linalg.solve(frame, offset.T))

@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Labels of pictures whose true colours are known at every point."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from artwork import (CARTOON, colours_of, disc, draw, everywhere, half_plane, paint, palette_of, presence, rasterise,
+                     stroke)
+
+from ddtcore.components import label_components
+from ddtcore.options import TraceOptions
+from ddtcore.regions import label_pixels
+
+WHITE, BLACK, NOTHING = (255, 255, 255, 255), (0, 0, 0, 255), (0, 0, 0, 0)
+DEFAULT = TraceOptions()
+
+
+def shown(labels):
+    """The picture as its labels paint it, uint8 (H, W, 4)."""
+    return np.rint(labels.palette).astype(np.uint8)[labels.index]
+
+
+def check_form(labels, shape):
+    assert labels.index.shape == labels.thin.shape == shape
+    assert labels.index.dtype == np.int32 and labels.thin.dtype == bool
+    assert labels.palette.dtype == np.float64 and labels.palette.shape[1] == 4
+    np.testing.assert_array_equal(np.unique(labels.index), np.arange(len(labels.palette)))
+    assert labels.ramp is None or labels.ramp.shape == (len(labels.palette),)
+
+
+def turned(layers, angle, cx, cy):
+    """Layers rotated about a point."""
+    def rotate(covers):
+        return lambda x, y: covers(cx + (x - cx) * np.cos(angle) + (y - cy) * np.sin(angle),
+                                   cy - (x - cx) * np.sin(angle) + (y - cy) * np.cos(angle))
+    return [(colour, rotate(covers)) for colour, covers in layers]
+
+
+@pytest.mark.parametrize("angle", [0, 0.1, 0.5, np.pi / 4, 2.0])
+def test_flat_art_has_its_own_colours_and_no_fringe(angle):
+    points = paint(96, 96, turned(CARTOON, angle, 48, 48))
+    labels = label_pixels(rasterise(points), DEFAULT)
+    check_form(labels, (96, 96))
+    assert palette_of(labels) == colours_of(CARTOON)
+    share = presence(points, shown(labels))
+    assert (share > 0).all(), "a pixel has a colour that does not occur in it"
+    assert (share[~labels.thin] > 0.35).mean() > 0.995
+
+
+def test_few_regions():
+    labels = label_pixels(draw(96, 96, CARTOON), DEFAULT)
+    # page, outline, skin, two eyes of ring, white and iris, mouth, box, stroke
+    assert label_components(labels.index, 8).max() + 1 == 12
+
+
+@pytest.mark.parametrize("turn", ["left", "upside down", "mirrored", "transposed"])
+def test_turning_the_picture_turns_the_labels(turn):
+    change = {"left": np.rot90, "upside down": np.flipud, "mirrored": np.fliplr,
+              "transposed": lambda a: a.swapaxes(0, 1)}[turn]
+    image = draw(96, 96, CARTOON)
+    one, other = label_pixels(image, DEFAULT), label_pixels(np.ascontiguousarray(change(image)), DEFAULT)
+    assert (change(shown(one)) != shown(other)).any(axis=-1).mean() < 0.002
+
+
+def test_inverted_colours_give_inverted_labels():
+    image = draw(96, 96, CARTOON)
+    inverted = image.copy()
+    inverted[..., :3] = 255 - inverted[..., :3]
+    difference = shown(label_pixels(inverted, DEFAULT))[..., :3] != 255 - shown(label_pixels(image, DEFAULT))[..., :3]
+    assert difference.any(axis=-1).mean() < 0.002
+
+
+def test_grey_between_black_and_white_makes_no_islands():
+    layers = [(WHITE, everywhere), ((128, 128, 128, 255), disc(80, 80, 12))]
+    layers += [(BLACK, stroke(40, 40, angle, 1.7, 30)) for angle in np.linspace(0.1, 3.1, 5)]
+    points = paint(100, 100, layers)
+    labels = label_pixels(rasterise(points), DEFAULT)
+    grey = (shown(labels) == (128, 128, 128, 255)).all(axis=-1)
+    assert label_components(grey.astype(int)).max() == 1
+    assert (presence(points, shown(labels))[grey] > 0).all()
+
+
+BACKGROUNDS = {"white": (WHITE, WHITE), "black": (BLACK, BLACK), "yellow and blue": ((255, 208, 32, 255), (32, 80, 208, 255)),
+               "white and grey": (WHITE, (144, 144, 144, 255)), "white and black": (WHITE, BLACK),
+               "nothing": (NOTHING, NOTHING), "nothing and green": (NOTHING, (60, 150, 60, 255))}
+
+
+@pytest.mark.parametrize("background", BACKGROUNDS)
+@pytest.mark.parametrize("width", [0.7, 1.0, 1.5, 2.0])
+def test_thin_strokes_stay_whole(width, background):
+    one, other = BACKGROUNDS[background]
+    ink = (200, 30, 40, 255)
+    for angle in np.linspace(0, np.pi, 8, endpoint=False) + [0, 0.1, 0.3, 0, 0, 0.1, 0.2, 0]:
+        layers = [(one, everywhere), (other, half_plane(30.3, 30.1, angle)), (ink, stroke(30.3, 30.1, angle, width, 22)),
+                  (ink, disc(5, 5, 4))]
+        labels = label_pixels(draw(60, 60, layers), DEFAULT)
+        assert palette_of(labels) == colours_of(layers)
+        inked = (shown(labels) == ink).all(axis=-1)
+        piece = label_components(np.where(inked, 1, 0), 8)
+        y, x = np.mgrid[:60, :60] + 0.5
+        along = (x - 30.3) * np.cos(angle) + (y - 30.1) * np.sin(angle)
+        across = (y - 30.1) * np.cos(angle) - (x - 30.3) * np.sin(angle)
+        own = inked & (abs(across) < 3) & (abs(along) < 23)
+        assert len(np.unique(piece[own])) == 1
+        assert np.ptp(along[own]) > 40
+        assert labels.thin[own].any() or width > 1.4
+
+
+def test_colour_that_occurs_in_a_thin_stroke_only():
+    layers = [((255, 192, 128, 255), everywhere), (BLACK, disc(30, 30, 12)), ((184, 0, 0, 255), stroke(60, 50, 0.7, 1.5, 20))]
+    assert palette_of(label_pixels(draw(90, 90, layers), DEFAULT)) == colours_of(layers)
+
+
+def test_tips_and_gaps_belong_to_what_shines_through():
+    wedge = (lambda x, y: (abs(y - 30.2) < (x - 5) * 0.05) & (x > 5) & (x < 55))
+    labels = label_pixels(draw(60, 60, [(WHITE, everywhere), (BLACK, wedge)]), DEFAULT)
+    black = labels.index == np.argmin(labels.palette[:, 0])
+    assert np.flatnonzero(black.any(axis=0)).min() <= 11
+    assert label_components(np.where(black, 1, 0), 8).max() == 1
+
+
+# transparency
+
+def test_nothing_is_one_label_whatever_colour_it_hides():
+    image = draw(60, 60, [((200, 30, 40, 255), disc(30, 30, 20))])
+    image[image[..., 3] == 0, :3] = np.random.RandomState(1).randint(0, 256, (np.count_nonzero(image[..., 3] == 0), 3))
+    labels = label_pixels(image, DEFAULT)
+    assert palette_of(labels) == {NOTHING, (200, 30, 40, 255)}
+
+
+def test_edge_against_nothing_is_coverage():
+    image = draw(60, 60, [((200, 30, 40, 255), disc(30, 30, 20))])
+    labels = label_pixels(image, DEFAULT)
+    filled = shown(labels)[..., 3] == 255
+    np.testing.assert_array_equal(filled[~labels.thin], (image[..., 3] >= 128)[~labels.thin])
+
+
+def test_partial_opacity_is_a_colour_of_its_own():
+    layers = [((0, 120, 0, 255), disc(20, 30, 14)), ((200, 30, 40, 128), disc(45, 30, 12)), (BLACK, disc(45, 30, 5))]
+    assert palette_of(label_pixels(draw(60, 64, layers), DEFAULT)) == colours_of(layers) | {NOTHING}
+
+
+# pictures of other kinds
+
+def test_hard_edged_pictures_keep_every_pixel():
+    points = paint(96, 96, CARTOON, samples=1)
+    labels = label_pixels(points, DEFAULT)
+    assert palette_of(labels) == colours_of(CARTOON)
+    np.testing.assert_array_equal(shown(labels), points)
+
+
+@pytest.mark.parametrize("steepness", [0.7, 2.0, 6.0])
+def test_a_soft_ramp_is_one_region(steepness):
+    y, x = np.mgrid[:64, :80]
+    image = np.zeros((64, 80, 4), np.uint8)
+    image[..., 0] = np.clip(20 + (x - 8) * steepness * 0.6, 0, 255)
+    image[..., 1] = np.clip(60 + (x - 8) * steepness * 0.4, 0, 255)
+    image[..., 3] = 255
+    inside = (x >= 8) & (x < 40) & (y >= 8) & (y < 56)
+    image[~inside] = WHITE
+    labels = label_pixels(image, DEFAULT)
+    assert labels.ramp.sum() == 1 and len(labels.palette) == 2
+    np.testing.assert_array_equal(labels.ramp[labels.index], inside)
+    np.testing.assert_allclose(labels.palette[labels.ramp][0], image[inside].mean(axis=0), atol=0.3)
+
+
+def test_two_ramps_are_two_labels():
+    y, x = np.mgrid[:40, :90]
+    image = np.full((40, 90, 4), 255, np.uint8)
+    image[..., 0] = np.where(x < 40, 100 + 2 * x, np.where(x > 50, 280 - 2 * x, 255))
+    labels = label_pixels(image, DEFAULT)
+    assert labels.ramp.sum() == 2
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("regions", ["palette", "threshold"])
+def test_noise_is_bounded(seed, regions):
+    image = np.random.RandomState(seed).randint(0, 256, (200, 300, 4)).astype(np.uint8)
+    labels = label_pixels(image, TraceOptions(regions=regions))
+    check_form(labels, image.shape[:2])
+    if regions == "palette":
+        assert len(labels.palette) <= 64
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 9), (9, 1), (2, 2), (3, 40)])
+@pytest.mark.parametrize("settings", [{}, {"regions": "threshold"}, {"colors": 2, "speckle": 3.0}])
+def test_tiny_pictures(shape, settings):
+    rng = np.random.RandomState(5)
+    for image in (rng.randint(0, 256, shape + (4,)), np.zeros(shape + (4,)), np.full(shape + (4,), 77)):
+        check_form(label_pixels(image.astype(np.uint8), TraceOptions(**settings)), shape)
+
+
+# settings
+
+def test_number_of_colours_is_limited():
+    image = draw(96, 96, CARTOON)
+    for most in (1, 2, 3, 5):
+        labels = label_pixels(image, TraceOptions(colors=most))
+        assert len(labels.palette) == most
+        assert palette_of(labels) <= colours_of(CARTOON)
+
+
+def test_nothing_does_not_count_as_a_colour():
+    image = draw(60, 60, [(BLACK, disc(20, 30, 14)), ((200, 30, 40, 255), disc(45, 30, 12))])
+    assert palette_of(label_pixels(image, TraceOptions(colors=1))) == {NOTHING, BLACK}
+
+
+def test_specks_join_the_neighbour_with_the_longest_border():
+    image = np.full((20, 30, 4), 255, np.uint8)
+    image[:, 15:] = BLACK
+    image[8:11, 13:17] = (255, 0, 0, 255)
+    image[2:4, 2:4] = (0, 0, 255, 255)
+    image[15:19, 2:7] = (0, 255, 0, 255)
+    labels = label_pixels(image, TraceOptions(speckle=16.0))
+    assert palette_of(labels) == {WHITE, BLACK, (0, 255, 0, 255)}
+    assert label_components(labels.index).max() == 2
+
+
+def test_threshold_links_small_steps_in_all_eight_directions():
+    image = np.full((5, 9, 4), 255, np.uint8)
+    image[..., :3] = np.arange(9)[:, None] * 8
+    image[:, 5:, :3] += 100
+    index = label_pixels(image, TraceOptions(regions="threshold", threshold=3.5)).index
+    np.testing.assert_array_equal(index, np.where(np.arange(9) < 5, 0, 1)[None].repeat(5, axis=0))
+    assert label_pixels(image, TraceOptions(regions="threshold", threshold=3.0)).index.max() == 8
+    diagonal = np.where(np.eye(6, dtype=bool)[..., None], BLACK, WHITE).astype(np.uint8)
+    labels = label_pixels(diagonal, TraceOptions(regions="threshold"))
+    assert len(labels.palette) == 2 and palette_of(labels) == {BLACK, WHITE}
+
+
+def test_time_grows_with_the_picture_not_faster():
+    """A picture of twice the side takes at most six times as long (four times the pixels, twice the edges)."""
+    from time import process_time
+    small = draw(192, 192, [(c, lambda x, y, f=f: f(x / 2, y / 2)) for c, f in CARTOON])
+    large = small.repeat(4, axis=0).repeat(4, axis=1)
+    label_pixels(small, DEFAULT)
+    start = process_time()
+    label_pixels(large, DEFAULT)
+    assert process_time() - start < 2.0
