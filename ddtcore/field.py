@@ -24,6 +24,9 @@ _FAR = 30.0
 _STRIP = 0.98
 """An ellipse more oblong than this has no use (0 for a circle, 1 for a strip)."""
 
+_WRONG = 1024.0
+"""Squared error of a pixel that belongs to something else, levels."""
+
 _KNOTS = 12
 _STEPS = 8
 
@@ -160,8 +163,8 @@ def _least(matrix: np.ndarray, norm: np.ndarray) -> np.ndarray:
     return np.linalg.eigh(half.dot(matrix).dot(half.T))[1][:, 0].dot(half)
 
 
-def refined(field: Field, samples: Samples) -> Field:
-    """The field moved until it explains the colours best, with free colours along it."""
+def refined(field: Field, samples: Samples) -> Tuple[Field, float]:
+    """The field moved until it explains the colours best, with free colours along it, and its error then."""
     state = _linearise(field, samples)
     damping = 1e-3
     for _ in range(_STEPS):
@@ -176,7 +179,12 @@ def refined(field: Field, samples: Samples) -> Field:
         field, state, damping = moved, ahead, damping / 10
         if done:
             break
-    return field
+    return field, state.error
+
+
+def total_error(off: np.ndarray, count: np.ndarray) -> float:
+    """Sum of the squared differences (n, C) of colours, none counted for more than one clearly wrong pixel."""
+    return float(count.dot(np.minimum((off ** 2).sum(axis=1), _WRONG)))
 
 
 class _State(NamedTuple):
@@ -201,6 +209,6 @@ def _linearise(field: Field, samples: Samples) -> _State:
     moves = steep[interval][:, :, None] * field.changes(samples.points)[:, None]
     flat = moves.reshape(len(place), -1)
     moves = (flat - share.dot(np.linalg.solve(matrix, weighted.T.dot(flat)))).reshape(moves.shape)
-    return _State(float(samples.count.dot((off ** 2).sum(axis=1))),
+    return _State(total_error(off, samples.count),
                   np.einsum("n,ncp,ncq->pq", samples.count, moves, moves),
                   np.einsum("n,ncp,nc->p", samples.count, moves, off))

@@ -3,13 +3,13 @@
 
 from __future__ import annotations
 
-from typing import List, Optional, Tuple
+from typing import NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from .field import Field, Samples, first_field, refined, slopes, squares
+from .field import Field, Samples, first_field, refined, slopes, squares, total_error
 from .model import Gradient
-from .stops import choose_stops, profile
+from .stops import BINS, choose_stops, profile
 
 PRICE = 16.0
 """What a byte of the file must save, squared levels of a channel times px."""
@@ -23,8 +23,14 @@ ELLIPSE_BYTES = 40
 _EXACT = 0.25
 """Mean squared error per channel that no other gradient need try to lower, squared levels."""
 
+_STRAY = 0.005
+"""Share of pixels far from the gradient from which on it is fitted again without them."""
+
 _CELLS = 2000
 """Pixels are averaged in squares until there are about this many at most."""
+
+_SQUARE = 3.0
+"""Smallest squares in which slopes of the colour are measured, px."""
 
 _REACH = 0.75
 """How far a gradient reaches beyond the outermost pixel centres, px."""
@@ -46,29 +52,72 @@ def fit_gradient(samples: Samples, reach: np.ndarray) -> Optional[Gradient]:
         None where the mean colour is the cheapest.
     """
     middle = np.average(samples.points, axis=0, weights=samples.count)
-    spread = np.average((samples.points - middle) ** 2, axis=0, weights=samples.count).sum()
-    size = np.sqrt(spread)
+    size = np.sqrt(np.average((samples.points - middle) ** 2, axis=0, weights=samples.count).sum())
     if size == 0:
         return None
+    unit = _Unit(middle, size)
     cells = _averaged(samples)
-    known = slopes(samples, max(3.0, np.sqrt(samples.count.sum()) / 8))
-    local = cells._replace(points=(cells.points - middle) / size)
-    known = known._replace(points=(known.points - middle) / size)
-
+    known = slopes(samples, max(_SQUARE, np.sqrt(len(samples.points)) / 8))
+    known = known._replace(points=unit.local(known.points))
+    region = _Region(cells, cells._replace(points=unit.local(cells.points)), unit.local(reach), unit)
     best, least = None, _error(cells, np.average(cells.colour, axis=0, weights=cells.count))
     exact = _EXACT * samples.count.sum() * cells.colour.shape[1]
     for kind, elliptic in (("linear", False), ("radial", False), ("radial", True)):
         if least <= exact + PRICE * BYTES:
             break
         field = first_field(known, kind, elliptic)
-        if field is None:
-            continue
-        field = refined(field, local)
-        gradient = _with_stops(field, local, (reach - middle) / size, _REACH / size, middle, size)
-        cost = _error(cells, colours_at(gradient, cells.points)[:, :cells.colour.shape[1]]) + price(gradient)
-        if cost < least:
-            best, least = gradient, cost
+        gradient = None if field is None else _fitted(field, region, least)
+        if gradient is not None:
+            cost = _error(cells, _like(cells, gradient)) + price(gradient)
+            if cost < least:
+                best, least = gradient, cost
     return best
+
+
+class _Unit(NamedTuple):
+    """Coordinates in which a region lies about the origin and has the size 1."""
+
+    middle: np.ndarray
+    size: float
+
+    def local(self, points: np.ndarray) -> np.ndarray:
+        return (points - self.middle) / self.size
+
+    def back(self, points: np.ndarray) -> np.ndarray:
+        return self.middle + self.size * points
+
+
+class _Region(NamedTuple):
+    cells: Samples
+    local: Samples
+    reach: np.ndarray
+    unit: _Unit
+
+
+def _fitted(field: Field, region: _Region, least: float) -> Optional[Gradient]:
+    """The best gradient like a given field; None if even free colours along it would cost more than `least`."""
+    field, error = refined(field, region.local)
+    if error + PRICE * BYTES >= least:
+        return None
+    gradient = _with_stops(field, region, region.local)
+    trust = _trust(region.cells, gradient)
+    if np.average(trust < 0.5, weights=region.local.count) <= _STRAY:
+        return gradient
+    trusted = region.local._replace(count=region.local.count * trust)
+    return _with_stops(refined(field, trusted)[0], region, trusted)
+
+
+def _like(samples: Samples, gradient: Gradient) -> np.ndarray:
+    """The gradient's colours instead of the samples'."""
+    return colours_at(gradient, samples.points)[:, :samples.colour.shape[1]]
+
+
+def _trust(samples: Samples, gradient: Gradient) -> np.ndarray:
+    """Small where the colour is far from the gradient, compared with most of the region."""
+    off = ((samples.colour - _like(samples, gradient)) ** 2).sum(axis=1)
+    order = np.argsort(off)
+    most = np.searchsorted(np.cumsum(samples.count[order]), 0.7 * samples.count.sum())
+    return 1 / (1 + off / (9 * off[order[most]] + 9)) ** 2
 
 
 def price(gradient: Gradient) -> float:
@@ -78,7 +127,7 @@ def price(gradient: Gradient) -> float:
 
 
 def _error(samples: Samples, colour: np.ndarray) -> float:
-    return float(samples.count.dot(((samples.colour - colour) ** 2).sum(axis=1)))
+    return total_error(samples.colour - colour, samples.count)
 
 
 def _averaged(samples: Samples) -> Samples:
@@ -95,33 +144,29 @@ def _averaged(samples: Samples) -> Samples:
     return Samples(mean(samples.points), mean(samples.colour), count)
 
 
-def _with_stops(field: Field, samples: Samples, reach: np.ndarray, margin: float, middle: np.ndarray,
-                size: float) -> Gradient:
+def _with_stops(field: Field, region: _Region, samples: Samples) -> Gradient:
     """The gradient along a field, in the coordinates of the picture."""
     place = field.places(samples.points)
     low, length = place.min(), max(np.ptp(place), 1e-9)
     bins = profile((place - low) / length, samples.colour, samples.count)
-    knots, values, _ = choose_stops(bins, PRICE * STOP_BYTES)
+    knots, values = choose_stops(bins, PRICE * STOP_BYTES)
+    begins, ends = knots[0] < 1.5 / BINS, knots[-1] > 1 - 1.5 / BINS
     knots = low + knots * length
-    ends = field.places(reach)
-    lowest, highest = ends.min() - margin, ends.max() + margin
-    if field.kind == "radial":
-        lowest = max(lowest, 0.0)
-    near = 1.5 / 64 * length
-    if knots[0] < low + near:
-        knots, values = _prolonged(knots, values, lowest)
-    if knots[-1] > low + length - near:
-        knots, values = (a[::-1] for a in _prolonged(knots[::-1], values[::-1], highest))
-    stops = _stops(knots, values, 0.0 if field.kind == "radial" else knots[0])
-    if field.kind == "linear":
-        start, end = (middle + size * knot * field.axis for knot in (knots[0], knots[-1]))
-        return Gradient("linear", _pair(start), _pair(end), stops)
-    centre = middle + size * field.values[:2]
-    radius = size * knots[-1]
+    reach, margin = field.places(region.reach), _REACH / region.unit.size
+    radial = field.kind == "radial"
+    if begins:
+        knots, values = _prolonged(knots, values, max(reach.min() - margin, 0.0 if radial else -np.inf))
+    if ends:
+        knots, values = (a[::-1] for a in _prolonged(knots[::-1], values[::-1], reach.max() + margin))
+    stops = _stops(knots, values, 0.0 if radial else knots[0])
+    if not radial:
+        start, end = (_pair(region.unit.back(knot * field.axis)) for knot in (knots[0], knots[-1]))
+        return Gradient("linear", start, end, stops)
     measure, axes = np.linalg.eigh(field.matrix)
-    ends = centre + radius * (axes / np.sqrt(measure)).T
-    return Gradient("radial", _pair(centre), _pair(ends[0]), stops,
-                    _pair(ends[1]) if len(field.values) == 4 else None)
+    centre = field.values[:2]
+    end, across = (_pair(region.unit.back(centre + knots[-1] * axis / np.sqrt(square)))
+                   for axis, square in zip(axes.T, measure))
+    return Gradient("radial", _pair(region.unit.back(centre)), end, stops, across if len(field.values) == 4 else None)
 
 
 def _prolonged(knots: np.ndarray, values: np.ndarray, end: float) -> Tuple[np.ndarray, np.ndarray]:

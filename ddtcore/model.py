@@ -280,6 +280,9 @@ class Drawing:
         What a person should know, e.g. that a budget was reached.
     decimals : int
         Digits after the point in path data.
+    scale : int
+        Units per pixel in a document of its own, where path data are whole numbers; 0 for
+        as many as `decimals` gives.
     """
 
     width: int
@@ -289,6 +292,7 @@ class Drawing:
     counts: Dict[str, int] = field(default_factory=dict)
     notes: Tuple[str, ...] = ()
     decimals: int = 2
+    scale: int = 0
 
     def to_svg(self) -> str:
         """The drawing as an SVG document."""

@@ -15,7 +15,6 @@ import numpy as np
 
 from .canvas import RIM, Canvas, planes
 from .mixes import segment_distance
-from .sides import near_samples
 
 MANY = 256
 """Most colours of an automatic palette."""
@@ -23,11 +22,8 @@ MANY = 256
 MIXED = 10.0
 """How far off the line between two colours their mixes may lie, levels."""
 
-ROUNDING = 2
-"""How far a renderer's rounding may move a flat colour, levels."""
-
-NOISES = (2, 4, 8, 12, 16)
-"""Levels of noise that are told apart: by how much flat pixels vary."""
+TWIN = 8
+"""How near two colours are that anti-aliasing makes hard to tell apart, levels."""
 
 PIECE = 12
 """Where there are soft ramps: smallest plateau that is no piece of one, px²."""
@@ -36,8 +32,7 @@ LIKE = 14
 """Where there are soft ramps: how far apart the colours of pieces of one may be, levels."""
 
 _WEIGHED = 48
-_SAMPLE = 1 << 14
-_VARIED = 0.25
+_FEW = 1 << 14
 _CLEAR = 16
 
 
@@ -124,36 +119,9 @@ def _sound_blocks(canvas: Canvas, block: np.ndarray, weak: np.ndarray) -> np.nda
     return key[at[sound]]
 
 
-def noise_level(canvas: Canvas, plateaus: Plateaus, skip: np.ndarray) -> int:
-    """How much pixels vary about the flat colours: rounding, or what resizing and JPEG leave, levels.
-
-    On clean edges a pixel's distance from the nearer side is spread evenly; what exceeds
-    that near zero are flat pixels that vary.  One of `NOISES`.
-    """
-    strong = (plateaus.full > 0) & (plateaus.counts * 2000 >= plateaus.counts.sum())
-    if not strong.any():
-        return ROUNDING
-    labels = _exact_labels(canvas, plateaus.keys[strong][:MANY])
-    cells = canvas.cells(~plateaus.core & ~skip)
-    labels[cells] = -1
-    cells = cells[::max(1, cells.size // _SAMPLE)]
-    samples, _ = near_samples(labels, cells, canvas.stride)
-    here = canvas.colours(cells)
-    least = np.full(cells.size, 255, np.float32)
-    for sample in samples:
-        off = np.abs(canvas.colours(sample) - here).max(axis=0)
-        np.minimum(least, np.where(sample < 0, 255, off), out=least)
-    met = np.cumsum(np.bincount(least.astype(int), minlength=256))[:256] / max(cells.size, 1)
-    spread = (met[32] - met[16]) / 16
-    near = met[16] - 16 * spread
-    if near < _VARIED:
-        return ROUNDING
-    return next(level for level in NOISES if met[level] - level * spread >= 0.9 * near)
-
-
-def choose_noisy_colours(canvas: Canvas, plateaus: Plateaus, noise: int) -> np.ndarray:
+def choose_noisy_colours(canvas: Canvas, plateaus: Plateaus, noise: float) -> np.ndarray:
     """The packed colours of a noisy picture: surrounded ones that are not like a more frequent one."""
-    real = np.flatnonzero((plateaus.full >= 3) & (plateaus.counts >= _CLEAR))[:_SAMPLE]
+    real = np.flatnonzero((plateaus.full >= 3) & (plateaus.counts >= _CLEAR))[:_FEW]
     colours = planes(plateaus.keys[real], canvas.opaque)
     keep = np.zeros(real.size, bool)
     for k in range(real.size):
@@ -199,7 +167,7 @@ def is_mixed(colours: np.ndarray, among: np.ndarray) -> np.ndarray:
     return mixed
 
 
-def known_labels(canvas: Canvas, plateaus: Plateaus, keys: np.ndarray, noise: int) -> np.ndarray:
+def known_labels(canvas: Canvas, plateaus: Plateaus, keys: np.ndarray, noise: float) -> np.ndarray:
     """Labels of the pixels that surely have one of the colours `keys`, int32 (P,) with the rim, else -1.
 
     Sure are plateaus, also those where pixels vary by the level of `noise`; and pixels
@@ -235,10 +203,10 @@ def _exact_labels(canvas: Canvas, keys: np.ndarray) -> np.ndarray:
 def _has_twin(colours: np.ndarray) -> np.ndarray:
     """Which colours (C, K) are hard to tell from another one."""
     off = np.abs(colours[:, :, None] - colours[:, None]).max(axis=0)
-    return (off < 4 * ROUNDING).sum(axis=0) > 1
+    return (off < TWIN).sum(axis=0) > 1
 
 
-def _nearest_within(canvas: Canvas, cells: np.ndarray, colours: np.ndarray, margin: int) -> np.ndarray:
+def _nearest_within(canvas: Canvas, cells: np.ndarray, colours: np.ndarray, margin: float) -> np.ndarray:
     """The label whose colour is within a margin of the pixel's in each channel, else or if undecided -1."""
     here = canvas.colours(cells)
     label = np.full(cells.size, -1, np.int32)

@@ -74,19 +74,19 @@ def path_data(loops: Sequence[Loop], decimals: int) -> str:
     >>> path_data([Loop(control, np.full(4, LINE))], 1)
     'M0 0h4v2.5H0z'
     """
-    return path_texts([loops], decimals)[0]
+    return path_texts([loops], 10**decimals, decimals)[0]
 
 
-def path_texts(paths: Sequence[Sequence[Loop]], decimals: int, whole: bool = False) -> List[str]:
+def path_texts(paths: Sequence[Sequence[Loop]], scale: int, decimals: int) -> List[str]:
     """The ``d`` attributes of many paths.
 
     Parameters
     ----------
     paths : sequence of sequences of Loop
+    scale : int
+        Units per pixel: positions are rounded to whole units.
     decimals : int
-        Digits after the point that count, 0 to 6.
-    whole : bool
-        Write whole numbers of the last digit instead: 15 for 1.5.
+        Digits of the whole units that are written after the point.
 
     Returns
     -------
@@ -95,17 +95,16 @@ def path_texts(paths: Sequence[Sequence[Loop]], decimals: int, whole: bool = Fal
     """
     if not any(len(loops) for loops in paths):
         return [""] * len(paths)
-    segments = _drop_vanished(_on_grid(paths, decimals))
+    segments = _drop_vanished(_on_grid(paths, scale))
     if not len(segments.loop):
         return [""] * len(paths)
     smooth = _join_quadratics(segments)
-    written = 0 if whole else decimals
-    return _join(_commands(segments, smooth, written), len(paths), written)
+    return _join(_commands(segments, smooth, decimals), len(paths), decimals)
 
 
-def _on_grid(paths: Sequence[Sequence[Loop]], decimals: int) -> _Segments:
+def _on_grid(paths: Sequence[Sequence[Loop]], scale: int) -> _Segments:
     loops = [loop for path in paths for loop in path]
-    exact = np.concatenate([loop.control for loop in loops]) * 10.0**decimals
+    exact = np.concatenate([loop.control for loop in loops]) * float(scale)
     if not np.isfinite(exact).all():
         raise ValueError("path data: every control point must be finite")
     loop = np.repeat(np.arange(len(loops)), [len(loop.degree) for loop in loops])

@@ -15,16 +15,13 @@ import numpy as np
 from . import merging, palette, ramps, sides, strokes
 from .canvas import Canvas, mean_colours, planes, prepare, unpack
 from .model import Labels
+from .noise import ROUNDING, noise_level
 from .options import TraceOptions
 from .posterise import is_noisy, posterise
 from .threshold import label_steps
 
 MANY = 64
 """Most colours for a picture without flat ones."""
-
-QUIET = 4
-"""Largest noise of a picture that counts as clean, levels."""
-
 
 def label_pixels(image: np.ndarray, options: TraceOptions) -> Labels:
     """Decide which flat colour each pixel of a picture belongs to.
@@ -58,8 +55,8 @@ def label_flat_art(canvas: Canvas) -> Labels:
     """Label a picture made of flat colours, soft ramps and anti-aliasing between them."""
     slopes, count = ramps.find_ramps(canvas)
     plateaus = palette.find_plateaus(canvas, slopes >= 0)
-    noise = palette.noise_level(canvas, plateaus, slopes >= 0)
-    if noise > QUIET:
+    noise = noise_level(canvas, plateaus.core, slopes)
+    if noise > ROUNDING:
         slopes, count = np.full(canvas.shape, -1, np.int32), 0
         plateaus = palette.find_plateaus(canvas, slopes >= 0)
         keys = palette.choose_noisy_colours(canvas, plateaus, noise)
@@ -70,7 +67,7 @@ def label_flat_art(canvas: Canvas) -> Labels:
     labels = palette.known_labels(canvas, plateaus, keys, noise)
     cells = canvas.cells(~plateaus.core & (slopes < 0))
     ridges = strokes.find_ridges(canvas, cells, strokes.LEAST + noise)
-    if noise <= QUIET:
+    if noise <= ROUNDING:
         more = strokes.new_colours(canvas, cells, ridges, planes(keys, canvas.opaque), labels)
         if more.size:
             keys = np.append(keys, more)

@@ -23,6 +23,7 @@ from .options import TraceOptions
 from .order import Order, area_order, covers_all, filled_holes
 from .paint import Paint, face_paints
 from .rankmap import RankMap, sample_arcs
+from .shortcut import take_shortcuts
 from .underlap import hidden_lines
 
 _STEP = 1.5
@@ -65,14 +66,13 @@ def stack(image: np.ndarray, labels: Labels, planar: PlanarMap, lines: Polylines
     shapes = _shapes(order, paints, outlines)
     counts = {"outlines": sum(len(shape.loops) for shape in shapes),
               "curves": sum(len(loop.degree) for shape in shapes for loop in shape.loops)}
-    return Drawing(width, height, shapes, counts=counts, decimals=_decimals(width, height, options))
-
-
-def _decimals(width: int, height: int, options: TraceOptions) -> int:
-    """As many digits as the size of the picture and the tolerance need, unless they are set."""
     if options.decimals >= 0:
-        return options.decimals
-    return 1 if max(width, height) >= 256 and options.tolerance >= 0.15 else 2
+        return Drawing(width, height, shapes, counts=counts, decimals=options.decimals)
+    return Drawing(width, height, shapes, counts=counts, scale=FINE)
+
+
+FINE = 20
+"""Units per pixel of documents: rounding to 1/20 px is lost in the tolerance, and shorter than digits allow."""
 
 
 def _rectangle(width: float, height: float) -> Loop:
@@ -106,7 +106,7 @@ def _continued(loops: FaceLoops, planar: PlanarMap, order: Order, curves: Curves
     covered = _covered(loops, planar, order, samples, ranks)
     loops = rotate(loops, covered)
     places, hidden = _hidden_stretches(loops, covered, planar, order, samples)
-    starts, points = hidden_lines(hidden, ranks)
+    starts, points = take_shortcuts(*hidden_lines(hidden, ranks), hidden.rank, ranks)
     control, degree = _reversible(curves.control), both_ways(curves.degree)
     first, count = (side[loops.halves] for side in half_ranges(curves.starts))
     count[covered[loops.halves]] = 0

@@ -16,7 +16,9 @@ import numpy as np
 MOST = 4
 """Most stops of a gradient."""
 
-_BINS = 64
+BINS = 128
+"""Parts of equal length in which the colours along a gradient are averaged."""
+
 _GRIDS = (24, 96, 384)
 
 _STIFF = 1e-6
@@ -53,12 +55,12 @@ def profile(place: np.ndarray, colour: np.ndarray, count: np.ndarray) -> Profile
     count : ndarray of shape (n,)
         Pixels that each sample stands for.
     """
-    number = np.minimum((place * _BINS).astype(np.intp), _BINS - 1)
-    size = np.bincount(number, count, _BINS)
-    sums = np.stack([np.bincount(number, count * channel, _BINS) for channel in colour.T], axis=1)
+    number = np.minimum((place * BINS).astype(np.intp), BINS - 1)
+    size = np.bincount(number, count, BINS)
+    sums = np.stack([np.bincount(number, count * channel, BINS) for channel in colour.T], axis=1)
     some = size > 0
     size, sums = size[some, None], sums[some]
-    where = np.bincount(number, count * place, _BINS)[some] / size[:, 0]
+    where = np.bincount(number, count * place, BINS)[some] / size[:, 0]
     if colour.shape[1] == 3:
         return Profile(where, sums / size, np.repeat(size, 3, axis=1))
     # An error of RGB shows in proportion to alpha.
@@ -77,7 +79,7 @@ def hats(place: np.ndarray, knots: np.ndarray) -> np.ndarray:
     return passed[..., :-1] - passed[..., 1:]
 
 
-def choose_stops(bins: Profile, price: float) -> Tuple[np.ndarray, np.ndarray, float]:
+def choose_stops(bins: Profile, price: float) -> Tuple[np.ndarray, np.ndarray]:
     """Place two to four stops, each further one where it is worth its price.
 
     Parameters
@@ -92,8 +94,6 @@ def choose_stops(bins: Profile, price: float) -> Tuple[np.ndarray, np.ndarray, f
         From 0 to 1, rising.
     values : ndarray of shape (K, C)
         Colour of each stop, not premultiplied, 0 to 255.
-    error : float
-        The weighted sum of squared errors.
     """
     places = np.linspace(0, 1, _GRIDS[0] + 1)
     first, last = np.triu_indices(len(places), 1)
@@ -107,14 +107,14 @@ def choose_stops(bins: Profile, price: float) -> Tuple[np.ndarray, np.ndarray, f
             break
         knots, error = more, less
     values, _ = _fitted(bins, knots[None])
-    return knots, np.clip(values[0], 0, 255), error
+    return knots, np.clip(values[0], 0, 255)
 
 
 def _settled(bins: Profile, knots: np.ndarray) -> Tuple[np.ndarray, float]:
     """Knots moved one after the other to the best places between their neighbours, and the error there."""
     error = np.inf
     for grid in _GRIDS[1:]:
-        for _ in range(len(knots)):
+        for _ in range(2):
             before = error
             for k in range(len(knots)):
                 knots, error = _best(bins, _moves(knots, k, grid))

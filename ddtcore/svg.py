@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The drawing as SVG: a document, a group for another document, a file.
 
-Shapes are written as small as they can be.  A document counts in units of the last
-digit, by its viewBox, so that path data are whole numbers; a group keeps to pixels,
+Shapes are written as small as they can be.  A document counts in fractions of a
+pixel, by its viewBox, so that path data are whole numbers; a group keeps to pixels,
 for it has to fit into the document of somebody else.  Meshes are written in the
 paper's form (section III): one path of absolute positions for each triangle, with the
 mean colour as fill and as stroke, which hides the seams between neighbours.
@@ -38,13 +38,13 @@ _SHORT_NAMES = {
 
 
 class _Unit(NamedTuple):
-    """How lengths are written: rounded to `decimals`, as whole numbers of the last digit or not."""
+    """How lengths are written: as whole units, `scale` to a pixel, `decimals` digits after the point."""
 
+    scale: int
     decimals: int
-    whole: bool
 
     def text(self, pixels: float) -> str:
-        return number_text(round(pixels * 10**self.decimals), 0 if self.whole else self.decimals)
+        return number_text(round(pixels * self.scale), self.decimals)
 
 
 _CHUNK = 1 << 16
@@ -80,7 +80,7 @@ def group(drawing: Drawing, names: bool = False, ids: str = "gradient") -> str:
     if drawing.triangles is not None:
         body.extend(_mesh(drawing.triangles, drawing.decimals))
     else:
-        unit = _Unit(drawing.decimals, whole=False)
+        unit = _Unit(10**drawing.decimals, drawing.decimals)
         paints, defs = _paints(drawing.shapes, unit, ids, black=' fill="#000"')
         body.append(defs)
         for shape, paint, text in zip(drawing.shapes, paints, _texts(drawing.shapes, unit)):
@@ -145,13 +145,13 @@ def _compress(pieces: Iterable[bytes]) -> Iterator[bytes]:
 
 def _document(drawing: Drawing) -> Iterator[str]:
     width, height = drawing.width, drawing.height
-    scale = 1 if drawing.triangles is not None else 10**drawing.decimals
+    scale = 1 if drawing.triangles is not None else drawing.scale or 10**drawing.decimals
     yield (f'<svg xmlns="{_NAMESPACE}" width="{width}" height="{height}"'
            f' viewBox="0 0 {width * scale} {height * scale}">')
     if drawing.triangles is not None:
         yield from _mesh(drawing.triangles, drawing.decimals)
     else:
-        yield from _shapes(drawing.shapes, _Unit(drawing.decimals, whole=True))
+        yield from _shapes(drawing.shapes, _Unit(scale, 0))
     yield "</svg>\n"
 
 
@@ -168,7 +168,7 @@ def _shapes(shapes: Sequence[Shape], unit: _Unit) -> Iterator[str]:
 
 
 def _texts(shapes: Sequence[Shape], unit: _Unit) -> List[str]:
-    return path_texts([shape.loops for shape in shapes], unit.decimals, unit.whole)
+    return path_texts([shape.loops for shape in shapes], unit.scale, unit.decimals)
 
 
 def _paints(shapes: Sequence[Shape], unit: _Unit, ids: str, black: str = "") -> Tuple[List[str], str]:

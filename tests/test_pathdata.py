@@ -124,7 +124,7 @@ def test_what_is_too_small_for_the_grid_vanishes_without_a_trace():
     kept = rectangle(1, 1, 2, 2)
     assert path_data([speck], 1) == path_data([sliver], 1) == path_data([], 1) == ""
     assert path_data([speck, kept, sliver], 1) == path_data([kept], 1)
-    assert path_texts([[speck], [kept], [], [sliver]], 1) == ["", path_data([kept], 1), "", ""]
+    assert path_texts([[speck], [kept], [], [sliver]], 10, 1) == ["", path_data([kept], 1), "", ""]
 
 
 @pytest.mark.parametrize("seed", range(30))
@@ -141,13 +141,13 @@ def test_loops_near_the_size_of_the_grid_stay_readable(seed):
 def test_paths_written_together_are_those_written_alone():
     rng = np.random.default_rng(3)
     paths = [[random_loop(rng, 5) for _ in range(count)] for count in (2, 1, 0, 4)]
-    assert path_texts(paths, 2) == [path_data(loops, 2) for loops in paths]
+    assert path_texts(paths, 100, 2) == [path_data(loops, 2) for loops in paths]
 
 
 def test_whole_numbers_count_units_of_the_last_digit():
     loops = [random_loop(np.random.default_rng(4), 50)]
     enlarged = [Loop(loop.control * 100, loop.degree) for loop in loops]
-    assert path_texts([loops], 2, whole=True) == path_texts([enlarged], 0)
+    assert path_texts([loops], 100, 0) == path_texts([enlarged], 1, 0)
 
 
 @pytest.mark.parametrize("value", (np.nan, np.inf, -np.inf))
