@@ -92,6 +92,16 @@ def unpack(keys: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(keys)[..., None].view(np.uint8)
 
 
+def count_keys(keys: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Different values of a 1-D array, rising, and how often each occurs; quick where equal ones follow each other."""
+    if not keys.size:
+        return keys, np.zeros(0, np.int64)
+    heads = np.concatenate([[0], np.flatnonzero(keys[1:] != keys[:-1]) + 1])
+    lengths = np.diff(np.append(heads, keys.size))
+    values, number = np.unique(keys[heads], return_inverse=True)
+    return values, np.bincount(number, lengths, values.size).astype(np.int64)
+
+
 def premultiply(rgba: np.ndarray) -> np.ndarray:
     """Premultiplied colours of RGBA ones (..., 4), 0 to 255."""
     return np.concatenate([rgba[..., :3] * (rgba[..., 3:] / 255), rgba[..., 3:]], axis=-1)

@@ -30,7 +30,7 @@ _PROBES = ((0.3, 0), (0.6, 0), (0.9, 0), (1.2, 0), (1.5, 0), (1.8, 0), (2.1, 0),
            (12.0, 2), (15.0, 2), (18.0, 2), (21.0, 2), (24.0, 2))
 """Depths at which doors are probed, px, and on which level of the rank map."""
 
-_SLOPE = 0.35
+_SLOPE = 0.6
 """How steeply a hidden border may leave the visible one it continues."""
 
 

@@ -124,17 +124,42 @@ def slopes(samples: Samples, side: float) -> Slopes:
     # What is nearly a line tells nothing about the slope across it.
     spread += 0.01 * side**2 * size * np.eye(2)[..., None]
     rise = np.array([[total(v * c) for c in samples.colour.T] for v in (x, y)])
-    return Slopes(middle, np.linalg.solve(np.moveaxis(spread, 2, 0), np.moveaxis(rise, 2, 0)), size)
+    slope = np.linalg.solve(np.moveaxis(spread, 2, 0), np.moveaxis(rise, 2, 0))
+    return Slopes(middle, slope, size)
 
 
-def first_field(known: Slopes, kind: str, elliptic: bool = False) -> Optional[Field]:
+def first_field(known: Slopes, samples: Samples, kind: str, elliptic: bool = False) -> Optional[Field]:
     """The field whose slopes are most nearly parallel to those of the colour.
+
+    Parameters
+    ----------
+    known : Slopes
+    samples : Samples
+    kind : {'linear', 'radial'}
+    elliptic : bool
+        Of a radial field: whether its lines are ellipses.
 
     Returns
     -------
     Field or None
         None where the lines of equal colour are not of this kind.
     """
+    # An edge that got into the region is steep: it should not outvote all slopes.
+    steep = (known.slope ** 2).sum(axis=(1, 2))
+    calm = known.count / (1 + steep / (9 * weighted_quantile(steep, known.count, 0.5) + 1e-9))
+    fields = [_parallel(known._replace(count=count), kind, elliptic) for count in (known.count, calm)]
+    fields = [field for field in fields if field is not None and field.sound]
+    return min(fields, key=lambda field: _linearise(field, samples).error) if fields else None
+
+
+def weighted_quantile(values: np.ndarray, weight: np.ndarray, share: float) -> float:
+    """The value below which a share of all the weight lies."""
+    order = np.argsort(values)
+    return float(values[order[np.searchsorted(np.cumsum(weight[order]), share * weight.sum())]])
+
+
+def _parallel(known: Slopes, kind: str, elliptic: bool) -> Optional[Field]:
+    """The field that lies nearest to being parallel to the slopes, however far its centre is."""
     x, y = known.points.T
     one, none = np.ones_like(x), np.zeros_like(x)
     basis = [(one, none), (none, one)]
@@ -147,13 +172,13 @@ def first_field(known: Slopes, kind: str, elliptic: bool = False) -> Optional[Fi
                np.einsum("m,mpi,mqi->pq", steep, basis, basis))
     if kind == "linear":
         return Field("linear", np.arctan2(q[1:], q[:1]))
-    shape = np.concatenate([q[3:], np.zeros(5 - len(q))]) / (q[2] or 1e-12)
-    matrix = np.array([[1 + shape[0], shape[1]], [shape[1], 1 - shape[0]]])
+    size = q[2] or 1e-12
+    shape = np.concatenate([q[3:], np.zeros(5 - len(q))]) / size
     if np.hypot(*shape) > _STRIP:
         return None
-    centre = np.linalg.solve(matrix, q[:2]) / (-2 * (q[2] or 1e-12))
-    field = Field("radial", np.concatenate([centre, shape]) if elliptic else centre)
-    return field if field.sound else None
+    field = Field("radial", np.concatenate([np.zeros(2), shape]))
+    centre = np.linalg.solve(field.matrix, q[:2]) / (-2 * size)
+    return Field("radial", np.concatenate([centre, shape]) if elliptic else centre)
 
 
 def _least(matrix: np.ndarray, norm: np.ndarray) -> np.ndarray:

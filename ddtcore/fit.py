@@ -17,7 +17,7 @@ from .corner import Arclength, find_corners
 from .cubic import Ends, Fit, fit_candidates
 from .model import CUBIC, LINE, Curves, Labels, PlanarMap, Polylines
 from .options import TraceOptions
-from .polish import Wire, polish
+from .polish import Target, Wire, polish
 from .position import premultiplied
 from .quadratic import fit_quadratics, polygons
 from .runs import Runs, cut_at_knots, end_lines
@@ -60,11 +60,11 @@ def fit_arcs(image: np.ndarray, labels: Labels, planar: PlanarMap, lines: Polyli
     tolerance = _tolerances(step, options.tolerance + lines.slack)[runs.arc]
     segments = fit_runs(runs, tolerance)
     held = (runs.places == 0) | (runs.places == np.asarray(size))
-    pixels = premultiplied(image)
-    wire = polish(wire_up(runs, segments, held, step), pixels, 2)
+    target = Target.of(image, step[planar.left != 0])
+    wire = polish(wire_up(runs, segments, held, step), target, 2)
     # Polished curves are free of the points' noise: what they agree on can be merged closer.
     runs, segments = simplify(wire, runs, segments, MERGE_SHARE * tolerance)
-    wire = polish(wire_up(runs, segments, held, step), pixels, 3)
+    wire = polish(wire_up(runs, segments, held, step), target, 3)
     starts = np.searchsorted(runs.arc[segments.run], np.arange(len(planar.tail) + 1))
     return Curves(starts, wire.control(), np.where(wire.line, LINE, CUBIC).astype(np.uint8))
 

@@ -7,7 +7,7 @@ from typing import NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from .field import Field, Samples, first_field, refined, slopes, squares, total_error
+from .field import Field, Samples, first_field, refined, slopes, squares, total_error, weighted_quantile
 from .model import Gradient
 from .stops import BINS, choose_stops, profile
 
@@ -65,7 +65,7 @@ def fit_gradient(samples: Samples, reach: np.ndarray) -> Optional[Gradient]:
     for kind, elliptic in (("linear", False), ("radial", False), ("radial", True)):
         if least <= exact + PRICE * BYTES:
             break
-        field = first_field(known, kind, elliptic)
+        field = first_field(known, region.local, kind, elliptic)
         gradient = None if field is None else _fitted(field, region, least)
         if gradient is not None:
             cost = _error(cells, _like(cells, gradient)) + price(gradient)
@@ -115,9 +115,7 @@ def _like(samples: Samples, gradient: Gradient) -> np.ndarray:
 def _trust(samples: Samples, gradient: Gradient) -> np.ndarray:
     """Small where the colour is far from the gradient, compared with most of the region."""
     off = ((samples.colour - _like(samples, gradient)) ** 2).sum(axis=1)
-    order = np.argsort(off)
-    most = np.searchsorted(np.cumsum(samples.count[order]), 0.7 * samples.count.sum())
-    return 1 / (1 + off / (9 * off[order[most]] + 9)) ** 2
+    return 1 / (1 + off / (9 * weighted_quantile(off, samples.count, 0.7) + 9)) ** 2
 
 
 def price(gradient: Gradient) -> float:

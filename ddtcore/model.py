@@ -41,12 +41,16 @@ class Labels:
     ramp : ndarray of shape (K,) and dtype bool, optional
         Labels that stand for one connected soft ramp each; their palette colour is its
         mean.  None: there are no ramps.
+    gradients : tuple of length K of Gradient or None, optional
+        What explains the colours of each label better than one colour does.  None: not
+        yet looked for.
     """
 
     index: np.ndarray
     palette: np.ndarray
     thin: np.ndarray
     ramp: Optional[np.ndarray] = None
+    gradients: Optional[Tuple[Optional[Gradient], ...]] = None
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,12 @@ leave small, uneven ripples at some distance from edges too.
 
 from __future__ import annotations
 
+from typing import List, Tuple
+
 import numpy as np
 
-from .canvas import Canvas
+from .canvas import Canvas, count_keys, planes
+from .palette import Plateaus
 from .sides import window
 
 ROUNDING = 2.0
@@ -18,14 +21,23 @@ ROUNDING = 2.0
 STRONGEST = 24.0
 """Largest noise that is reckoned with, levels."""
 
+SPECK = 12.0
+"""Regions smaller than this in a noisy picture are ripples, px²."""
+
 _LOW = 32
 _HIGH = 48
 _UNEVEN = 2
 _SAMPLE = 1 << 14
+_VOTES = 1 << 16
+_FEW = 13
+_WIDE = 32
+_MANY = 64
 
 
-def noise_level(canvas: Canvas, core: np.ndarray, slopes: np.ndarray) -> float:
+def noise_level(canvas: Canvas, core: np.ndarray, slopes: np.ndarray) -> Tuple[float, bool]:
     """How far pixels of flat areas may be from their colour, levels; `ROUNDING` for a clean picture.
+
+    And whether there are ripples at all, be it between ramps only.
 
     Parameters
     ----------
@@ -34,17 +46,69 @@ def noise_level(canvas: Canvas, core: np.ndarray, slopes: np.ndarray) -> float:
     slopes : ndarray of shape (H, W) and dtype int32
         Number of the soft ramp of each pixel, -1 where there is none.
     """
-    sloped = slopes >= 0
-    cells = canvas.cells(~core & ~sloped)
-    # A picture with large even ramps has none of this noise.
-    if not cells.size or np.count_nonzero(sloped) > 0.1 * sloped.size:
-        return ROUNDING
+    cells = canvas.cells(~core)
+    if not cells.size:
+        return ROUNDING, False
     cells = cells[::max(1, cells.size // _SAMPLE)]
-    around = canvas.colours(cells + np.append(window(canvas.stride, 1, 1), 0)[:, None])
-    span = (around.max(axis=1) - around.min(axis=1)).max(axis=0)
-    bends = [canvas.colours(cells - step) + canvas.colours(cells + step) - 2 * around[:, -1]
-             for step in (1, canvas.stride)]
+    here, span = canvas.colours(cells), _spans(canvas, cells)
+    bends = [canvas.colours(cells - step) + canvas.colours(cells + step) - 2 * here for step in (1, canvas.stride)]
     uneven = np.abs(bends).max(axis=(0, 1)) > _UNEVEN
     if np.mean(uneven & (span <= _LOW)) < 0.05:
-        return ROUNDING
-    return float(min(STRONGEST, 0.6 * np.percentile(span[uneven & (span <= _HIGH)], 90)))
+        return ROUNDING, False
+    if _sloping_area(canvas, slopes) > 0.1 * slopes.size:
+        return ROUNDING, True
+    return float(min(STRONGEST, 1.3 * np.median(span[uneven & (span <= _HIGH)]))), True
+
+
+def _spans(canvas: Canvas, cells: np.ndarray) -> np.ndarray:
+    """How much the colours within 3 x 3 of pixels differ, levels: the largest range of a channel."""
+    around = canvas.colours(cells + np.append(window(canvas.stride, 1, 1), 0)[:, None])
+    return (around.max(axis=1) - around.min(axis=1)).max(axis=0)
+
+
+def noisy_colours(canvas: Canvas, plateaus: Plateaus, noise: float) -> np.ndarray:
+    """The packed colours of a noisy picture: those of large plateaus, then others that fill areas.
+
+    What lies near a colour already found is taken for a variation of it: plateaus
+    within `noise`; and within twice that, pixels that vary within 3 x 3 by no more than it.
+    """
+    least = max(_WIDE, 0.0002 * plateaus.core.size)
+    found = _unlike(canvas, plateaus.keys[(plateaus.full >= least) | (plateaus.counts >= 4 * least)], noise)
+    cells = canvas.cells(np.ones(canvas.shape, bool))
+    cells = cells[::max(1, cells.size // _VOTES)]
+    keys = canvas.keys[cells[_spans(canvas, cells) <= noise]]
+    for known in found:
+        keys = keys[_apart(canvas, keys, known) > 2 * noise]
+    while keys.size and len(found) < _MANY:
+        values, counts = np.unique(keys, return_counts=True)
+        mode = values[np.argmax(counts)]
+        off = _apart(canvas, keys, mode)
+        if np.count_nonzero(off <= noise) >= _FEW:
+            found.append(mode)
+        keys = keys[off > 2 * noise]
+    return np.array(found, np.uint32)
+
+
+def _unlike(canvas: Canvas, keys: np.ndarray, margin: float) -> List[int]:
+    """The packed colours that differ by more than a margin from all before them."""
+    found = []
+    while keys.size and len(found) < _MANY:
+        found.append(keys[0])
+        keys = keys[_apart(canvas, keys, keys[0]) > margin]
+    return found
+
+
+def _apart(canvas: Canvas, keys: np.ndarray, key: int) -> np.ndarray:
+    """Largest difference of a channel between packed colours and one of them."""
+    return np.abs(planes(keys, canvas.opaque) - planes(np.array([key], np.uint32), canvas.opaque)).max(axis=0)
+
+
+def _sloping_area(canvas: Canvas, slopes: np.ndarray) -> int:
+    """Area, px, of the soft ramps that are no flat areas with ripples: none of their colours has half of it."""
+    some = slopes >= 0
+    ramp = slopes[some].astype(np.uint64)
+    pairs, counts = count_keys(ramp << np.uint64(32) | canvas.bare(canvas.keys)[some])
+    area = np.bincount(slopes[some])
+    most = np.zeros(area.size, np.int64)
+    np.maximum.at(most, (pairs >> np.uint64(32)).astype(np.intp), counts)
+    return int(area[2 * most < area].sum())

@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from typing import Dict, List, NamedTuple, Optional, Tuple
+from dataclasses import replace
+from typing import Iterator, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
@@ -37,6 +38,57 @@ class Paint(NamedTuple):
 NOTHING = Paint((0, 0, 0), 0.0)
 
 
+def find_gradients(image: np.ndarray, labels: Labels) -> Labels:
+    """Find the gradient of each ramp.
+
+    Parameters
+    ----------
+    image : ndarray of shape (H, W, 4) and dtype uint8
+    labels : Labels
+
+    Returns
+    -------
+    Labels
+        With `gradients`; None of them for labels that are no ramps or better flat.
+    """
+    gradients: List[Optional[Gradient]] = [None] * len(labels.palette)
+    if labels.ramp is None or not labels.ramp.any():
+        return replace(labels, gradients=tuple(gradients))
+    pixels = _Pixels.of(labels.index, labels.ramp)
+    colour = pixels.colours(image)
+    opaque = bool((colour[:, 3] == 255).all())
+    for label, part in pixels.groups():
+        chosen = part[pixels.inside[part]]
+        chosen = chosen if len(chosen) >= _FEW else part
+        samples = Samples(pixels.points[chosen], colour[chosen, :3 if opaque else 4], np.ones(len(chosen)))
+        gradients[label] = fit_gradient(samples, pixels.points[part])
+    return replace(labels, gradients=tuple(gradients))
+
+
+def local_colours(labels: Labels, number: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Colours that labels have, or would have, at points.
+
+    Parameters
+    ----------
+    labels : Labels
+        With `gradients`, or all labels count as flat.
+    number : ndarray of shape (n,)
+        A label for each point; the colour of `OUTSIDE` is nothing.
+    points : ndarray of shape (n, 2)
+
+    Returns
+    -------
+    ndarray of shape (n, 4) and dtype float64
+        Premultiplied RGBA, 0 to 255.
+    """
+    colours = premultiply(np.concatenate([labels.palette, np.zeros((1, 4))]))[number]
+    for label, gradient in enumerate(labels.gradients or ()):
+        if gradient is not None:
+            here = np.flatnonzero(number == label)
+            colours[here] = colours_at(gradient, points[here])
+    return colours
+
+
 def face_paints(image: np.ndarray, labels: Labels, planar: PlanarMap, options: TraceOptions) -> List[Paint]:
     """Find the fill of every face.
 
@@ -44,6 +96,7 @@ def face_paints(image: np.ndarray, labels: Labels, planar: PlanarMap, options: T
     ----------
     image : ndarray of shape (H, W, 4) and dtype uint8
     labels : Labels
+        Gradients are looked for unless it has them.
     planar : PlanarMap
     options : TraceOptions
 
@@ -57,9 +110,10 @@ def face_paints(image: np.ndarray, labels: Labels, planar: PlanarMap, options: T
     flat = [Paint((r, g, b), a / 255) if a else NOTHING for r, g, b, a in rgba]
     paints = [NOTHING] + [flat[label] for label in planar.face_labels[1:].tolist()]
     if labels.ramp is not None and labels.ramp.any():
+        labels = labels if labels.gradients else find_gradients(image, labels)
         soft = labels.ramp[planar.face_labels]
         soft[0] = False
-        for face, paint in _soft_paints(image, planar, soft).items():
+        for face, paint in _soft_paints(image, labels, planar, soft):
             paints[face] = paint
     return paints
 
@@ -82,34 +136,41 @@ def gradient_offset(paints: List[Paint], planar: PlanarMap) -> Optional[np.ndarr
     soft = np.array([paint.gradient is not None for paint in paints])
     if not soft.any():
         return None
-    pixels = _Pixels.of(planar, soft)
+    pixels = _Pixels.of(planar.pixel_faces, soft)
     mean = premultiply(np.array([(*paint.rgb, 255 * paint.opacity) for paint in paints]))
     offset = np.zeros(planar.pixel_faces.shape + (4,), np.float32)
-    for face, part in pixels.by(pixels.face):
-        colour = colours_at(paints[face].gradient, pixels.points[part])
-        offset.reshape(-1, 4)[pixels.cells[part]] = colour - mean[face]
+    for face, part in pixels.groups():
+        gradient = paints[face].gradient
+        if gradient is not None:
+            offset.reshape(-1, 4)[pixels.cells[part]] = colours_at(gradient, pixels.points[part]) - mean[face]
     return offset
 
 
 class _Pixels(NamedTuple):
-    cells: np.ndarray    # (n,) number of each pixel, in reading order
+    """Pixels of some regions, in reading order."""
+
+    cells: np.ndarray    # (n,) number of the pixel
     points: np.ndarray   # (n, 2) its centre
-    face: np.ndarray     # (n,)
-    inside: np.ndarray   # (n,) whether all its neighbours belong to the same face
+    region: np.ndarray   # (n,)
+    inside: np.ndarray   # (n,) whether all its neighbours belong to the same region
 
     @classmethod
-    def of(cls, planar: PlanarMap, faces: np.ndarray) -> "_Pixels":
-        """The pixels of the faces set in a mask (F,)."""
-        cells = np.flatnonzero(faces[planar.pixel_faces])
-        row, col = np.divmod(cells, planar.pixel_faces.shape[1])
-        return cls(cells, np.stack([col + 0.5, row + 0.5], axis=1), planar.pixel_faces.ravel()[cells],
-                   _surrounded(planar.pixel_faces).ravel()[cells])
+    def of(cls, regions: np.ndarray, some: np.ndarray) -> _Pixels:
+        """The pixels in an array (H, W) of the regions that are set in a mask."""
+        cells = np.flatnonzero(some[regions])
+        row, col = np.divmod(cells, regions.shape[1])
+        points = np.stack([col + 0.5, row + 0.5], axis=1)
+        return cls(cells, points, regions.ravel()[cells], _surrounded(regions).ravel()[cells])
 
-    def by(self, number: np.ndarray):
-        """Each different number (n,), and the places of the pixels that have it."""
-        order = np.argsort(number, kind="stable")
-        values, first = np.unique(number[order], return_index=True)
+    def groups(self) -> Iterator[Tuple[int, np.ndarray]]:
+        """Each region, and the places of its pixels."""
+        order = np.argsort(self.region, kind="stable")
+        values, first = np.unique(self.region[order], return_index=True)
         return zip(values.tolist(), np.split(order, first[1:]))
+
+    def colours(self, image: np.ndarray) -> np.ndarray:
+        """Their premultiplied colours in a uint8 picture (H, W, 4)."""
+        return premultiply(image.reshape(-1, 4)[self.cells].astype(np.float64))
 
 
 def _surrounded(values: np.ndarray) -> np.ndarray:
@@ -118,34 +179,27 @@ def _surrounded(values: np.ndarray) -> np.ndarray:
     equal = values[1:] == values[:-1]
     same[1:] &= equal
     same[:-1] &= equal
-    rows = same.copy()
+    column = same.copy()
     equal = values[:, 1:] == values[:, :-1]
-    same[:, 1:] &= equal & rows[:, :-1]
-    same[:, :-1] &= equal & rows[:, 1:]
+    same[:, 1:] &= equal & column[:, :-1]
+    same[:, :-1] &= equal & column[:, 1:]
     return same
 
 
-def _soft_paints(image: np.ndarray, planar: PlanarMap, soft: np.ndarray) -> Dict[int, Paint]:
-    """Paints of the faces of ramps: a gradient for each ramp, or a colour for each face."""
-    pixels = _Pixels.of(planar, soft)
-    colour = premultiply(image.reshape(-1, 4)[pixels.cells].astype(np.float64))
-    channels = 3 if (colour[:, 3] == 255).all() else 4
-    sure = pixels.inside | (np.bincount(pixels.face, pixels.inside)[pixels.face] < _FEW)
-    flat = _means(colour, pixels.face, sure)
-    gradients: Dict[int, Gradient] = {}
-    model = flat[pixels.face]
-    for label, part in pixels.by(planar.face_labels[pixels.face]):
-        chosen = part[pixels.inside[part]]
-        chosen = chosen if len(chosen) >= _FEW else part
-        gradient = fit_gradient(Samples(pixels.points[chosen], colour[chosen, :channels], np.ones(len(chosen))),
-                                pixels.points[part])
-        if gradient is not None:
-            gradients[label] = gradient
-            model[part] = colours_at(gradient, pixels.points[part])
-    better = _errors(colour - model, pixels.face, sure) < _errors(colour - flat[pixels.face], pixels.face, sure)
-    mean = np.where(better[:, None], _means(model, pixels.face, np.ones_like(sure)), flat)
-    return {face: _paint(mean[face], gradients.get(label) if better[face] else None)
-            for face, label in zip(np.flatnonzero(soft).tolist(), planar.face_labels[soft].tolist())}
+def _soft_paints(image: np.ndarray, labels: Labels, planar: PlanarMap,
+                 soft: np.ndarray) -> Iterator[Tuple[int, Paint]]:
+    """Paints of the faces of ramps: the ramp's gradient, or the face's own colour if that is nearer."""
+    pixels = _Pixels.of(planar.pixel_faces, soft)
+    colour, face = pixels.colours(image), pixels.region
+    sure = pixels.inside | (np.bincount(face, pixels.inside)[face] < _FEW)
+    flat = _means(colour, face, sure)
+    model = local_colours(labels, planar.face_labels[face], pixels.points)
+    gradients = [labels.gradients[label] for label in planar.face_labels.tolist()]
+    better = _errors(colour - model, face, sure) < _errors(colour - flat[face], face, sure)
+    better &= np.array([gradient is not None for gradient in gradients])[:len(better)]
+    mean = np.where(better[:, None], _means(model, face, np.ones_like(sure)), flat)
+    for k in np.flatnonzero(soft).tolist():
+        yield k, _paint(mean[k], gradients[k] if better[k] else None)
 
 
 def _means(values: np.ndarray, number: np.ndarray, weight: np.ndarray) -> np.ndarray:
@@ -162,7 +216,8 @@ def _errors(off: np.ndarray, number: np.ndarray, weight: np.ndarray) -> np.ndarr
 def _paint(mean: np.ndarray, gradient: Optional[Gradient]) -> Paint:
     """The paint of a face with this premultiplied mean colour."""
     r, g, b = np.clip(np.rint(mean[:3] * 255 / max(mean[3], 1e-9)), 0, 255).astype(int).tolist()
-    opacity = round(float(np.rint(mean[3]))) / 255
+    level = int(np.rint(mean[3]))
     if gradient is not None and any(stop[2] < 1 for stop in gradient.stops):
-        opacity = min(max(opacity, 1 / 255), 254 / 255)
-    return Paint((r, g, b), opacity, gradient) if opacity else NOTHING
+        # Visible, but not opaque, whatever the mean is rounded to.
+        level = min(max(level, 1), 254)
+    return Paint((r, g, b), level / 255, gradient) if level else NOTHING

@@ -9,12 +9,11 @@ in its anti-aliasing, except where a straight stroke under two pixels covers two
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Tuple
-
 import numpy as np
 
-from .canvas import RIM, Canvas, planes
+from .canvas import RIM, Canvas, count_keys, planes
 from .mixes import segment_distance
+from .sides import window
 
 MANY = 256
 """Most colours of an automatic palette."""
@@ -85,16 +84,6 @@ def find_plateaus(canvas: Canvas, skip: np.ndarray) -> Plateaus:
     return Plateaus(core, keys[order], counts[order], inner[order], sound[order])
 
 
-def count_keys(keys: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Different values of a 1-D array, rising, and how often each occurs; quick where equal ones follow each other."""
-    if not keys.size:
-        return keys, np.zeros(0, np.int64)
-    heads = np.concatenate([[0], np.flatnonzero(keys[1:] != keys[:-1]) + 1])
-    lengths = np.diff(np.append(heads, keys.size))
-    values, number = np.unique(keys[heads], return_inverse=True)
-    return values, np.bincount(number, lengths, values.size).astype(np.int64)
-
-
 def _tally(keys: np.ndarray, among: np.ndarray) -> np.ndarray:
     """How often each of `keys` (rising) occurs in a 1-D array that holds no other values."""
     values, counts = count_keys(among)
@@ -117,17 +106,6 @@ def _sound_blocks(canvas: Canvas, block: np.ndarray, weak: np.ndarray) -> np.nda
         sound &= ~((side == key[at + 2 * across]) & (side == key[at - across + along])
                    & (side == key[at + 2 * across + along]))
     return key[at[sound]]
-
-
-def choose_noisy_colours(canvas: Canvas, plateaus: Plateaus, noise: float) -> np.ndarray:
-    """The packed colours of a noisy picture: surrounded ones that are not like a more frequent one."""
-    real = np.flatnonzero((plateaus.full >= 3) & (plateaus.counts >= _CLEAR))[:_FEW]
-    colours = planes(plateaus.keys[real], canvas.opaque)
-    keep = np.zeros(real.size, bool)
-    for k in range(real.size):
-        off = np.abs(colours[:, :k][:, keep[:k]] - colours[:, k:k + 1]).max(axis=0)
-        keep[k] = not (off <= 2 * noise).any()
-    return plateaus.keys[real[keep]][:MANY]
 
 
 def choose_colours(canvas: Canvas, plateaus: Plateaus, ramps: bool) -> np.ndarray:
@@ -170,8 +148,8 @@ def is_mixed(colours: np.ndarray, among: np.ndarray) -> np.ndarray:
 def known_labels(canvas: Canvas, plateaus: Plateaus, keys: np.ndarray, noise: float) -> np.ndarray:
     """Labels of the pixels that surely have one of the colours `keys`, int32 (P,) with the rim, else -1.
 
-    Sure are plateaus, also those where pixels vary by the level of `noise`; and pixels
-    of a colour that is no mix of others, wherever they stand.
+    Sure are plateaus, also those where pixels vary by the level of `noise`; and pixels of
+    a colour that is no mix of others, wherever two of them touch.
     """
     if not keys.size:
         return np.full(canvas.keys.size, -1, np.int32)
@@ -181,6 +159,7 @@ def known_labels(canvas: Canvas, plateaus: Plateaus, keys: np.ndarray, noise: fl
     plain[_WEIGHED:] = False
     cells = canvas.cells(~plateaus.core | (canvas.bare(labels) < 0))
     sure = (labels[cells] >= 0) & plain[labels[cells]]
+    sure &= (labels[cells] == labels[cells + window(canvas.stride, 1, 1)[:, None]]).any(axis=0)
     labels[cells] = _nearest_within(canvas, cells, colours, noise)
     sure |= (labels[cells] >= 0) & _in_block(labels, cells, canvas.stride)
     labels[cells[~sure]] = -1

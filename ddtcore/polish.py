@@ -18,6 +18,7 @@ import numpy as np
 
 from . import bezier
 from .coverage import Pieces, colours_along, cut_into_pixels, touched_pixels
+from .position import premultiplied
 
 STEPS = 12
 """Conjugate gradient steps in each round."""
@@ -61,14 +62,40 @@ class Wire(NamedTuple):
         return control
 
 
-def polish(wire: Wire, image: np.ndarray, rounds: int) -> Wire:
+class Target(NamedTuple):
+    """The picture that the curves should explain, in as few channels as its edges need.
+
+    Attributes
+    ----------
+    image : ndarray of shape (H, W, 4) and dtype uint8
+    basis : ndarray of shape (4, C)
+        Directions in premultiplied colour that tell the two sides of all edges apart;
+        black and white art needs one.
+    """
+
+    image: np.ndarray
+    basis: np.ndarray
+
+    @classmethod
+    def of(cls, image: np.ndarray, steps: np.ndarray) -> "Target":
+        """The target for edges with these colour steps (A, 4)."""
+        # A step of nothing changes no direction, and serves where there are no edges.
+        steps = np.unique(np.concatenate([steps, np.zeros((1, 4))]), axis=0)
+        _, size, directions = np.linalg.svd(steps, full_matrices=False)
+        return cls(image, directions[:max(int((size > 1e-3 * size[:1]).sum()), 1)].T.astype(np.float64))
+
+    def colours(self, pixels: np.ndarray) -> np.ndarray:
+        """Colours (P, C) of pixels by their number ``row * width + col``."""
+        return premultiplied(self.image.reshape(-1, 4)[pixels]) @ self.basis
+
+
+def polish(wire: Wire, target: Target, rounds: int) -> Wire:
     """Move nodes and handles until the curves explain the pixels best.
 
     Parameters
     ----------
     wire : Wire
-    image : ndarray of shape (H, W, C) and dtype float32
-        Premultiplied colours.
+    target : Target
     rounds : int
         Gauss-Newton steps.
 
@@ -76,13 +103,40 @@ def polish(wire: Wire, image: np.ndarray, rounds: int) -> Wire:
     -------
     Wire
     """
+    step = wire.step @ target.basis
     best, least = wire, np.inf
     for _ in range(rounds):
-        problem = _linearise(wire, image)
+        problem = _linearise(wire, step, target)
         if problem.cost < least:
             best, least = wire, problem.cost
-        wire = _moved(wire, problem, _solve(problem))
-    return wire if _linearise(wire, image).cost < least else best
+        wire = _moved(wire, _solve(problem))
+    return wire if _misfit(wire, step, target).cost < least else best
+
+
+class _Misfit(NamedTuple):
+    pieces: Pieces
+    number: np.ndarray       # (M,) touched pixel of each piece
+    residual: np.ndarray     # (P, C) weighted
+    weight: np.ndarray       # (P,)
+    cost: float
+
+
+def _misfit(wire: Wire, step: np.ndarray, target: Target) -> _Misfit:
+    """How the picture differs from what the curves would give."""
+    h, w = target.image.shape[:2]
+    pieces = cut_into_pixels(wire.control(), wire.line, (h, w))
+    pixels, number = touched_pixels(pieces, h * w)
+    residual = target.colours(pixels) - colours_along(pieces, pixels, number, step[pieces.segment], w)
+    strength = np.einsum("sc,sc->s", step, step)[pieces.segment]
+    contrast = np.zeros(len(pixels))
+    # Later entries win, so the strongest edge of each pixel comes last.
+    rising = np.argsort(strength, kind="stable")
+    contrast[number[rising]] = strength[rising]
+    scale = 1 / np.sqrt(contrast + 16)
+    off = np.sqrt(np.einsum("pc,pc->p", residual, residual)) * scale
+    weight = scale / np.sqrt(np.maximum(off / DOUBT, 1))
+    cost = float(np.square(np.minimum(off, DOUBT)).sum())
+    return _Misfit(pieces, number, residual * weight[:, None], weight, cost)
 
 
 class _Problem(NamedTuple):
@@ -92,31 +146,17 @@ class _Problem(NamedTuple):
     index: np.ndarray        # (G, 8) parameters
     residual: np.ndarray     # (P, C) weighted
     damping: np.ndarray      # (X,)
-    frame: np.ndarray        # (S, 2, 2, 2) directions of each handle's two parameters
     cost: float
 
 
-def _linearise(wire: Wire, image: np.ndarray) -> _Problem:
-    h, w, channels = image.shape
-    control = wire.control()
-    pieces = cut_into_pixels(control, wire.line, (h, w))
-    pixels, number = touched_pixels(pieces, h * w)
-    colours = colours_along(pieces, pixels, number, wire.step[pieces.segment], w)
-    residual = image.reshape(-1, channels)[pixels] - colours
-    frame = _frames(wire)
+def _linearise(wire: Wire, step: np.ndarray, target: Target) -> _Problem:
+    """How each parameter would change the pixels."""
+    pieces, number, residual, weight, cost = _misfit(wire, step, target)
     index, damping = _parameters(wire)
     begins = np.flatnonzero(np.r_[True, (np.diff(pieces.segment) != 0) | (np.diff(pieces.pixel) != 0)])
     segment, pixel = pieces.segment[begins], number[begins]
-    slope = np.add.reduceat(_slopes(wire, pieces, frame), begins, axis=0)
-    step = wire.step[segment]
-    contrast = np.zeros(len(pixels))
-    np.maximum.at(contrast, pixel, np.einsum("gc,gc->g", step, step))
-    scale = 1 / np.sqrt(contrast + 16)
-    off = np.sqrt(np.einsum("pc,pc->p", residual, residual)) * scale
-    weight = scale / np.sqrt(np.maximum(off / DOUBT, 1))
-    cost = float(np.minimum(off, DOUBT).dot(np.minimum(off, DOUBT)))
-    return _Problem(pixel, step * weight[pixel, None], slope, index[segment], residual * weight[:, None],
-                    damping, frame, cost)
+    slope = np.add.reduceat(_slopes(wire, pieces, _frames(wire)), begins, axis=0)
+    return _Problem(pixel, step[segment] * weight[pixel, None], slope, index[segment], residual, damping, cost)
 
 
 def _frames(wire: Wire) -> np.ndarray:
@@ -211,7 +251,7 @@ def _solve(problem: _Problem) -> np.ndarray:
     return x
 
 
-def _moved(wire: Wire, problem: _Problem, x: np.ndarray) -> Wire:
+def _moved(wire: Wire, x: np.ndarray) -> Wire:
     """The wire after a step, with moves and handles kept within reason."""
     n, s = len(wire.nodes), len(wire.ends)
     x = x.copy()

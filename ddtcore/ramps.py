@@ -29,6 +29,9 @@ LEVELS = 6
 AREA = 24
 """Smallest ramp, px²."""
 
+MANY = 256
+"""Most ramps of a picture, the largest ones."""
+
 PIECE = 200
 """Largest plateau that may be a piece of a ramp, px²."""
 
@@ -103,7 +106,8 @@ def _many_levels(area: np.ndarray, sloped: np.ndarray, key: np.ndarray) -> np.nd
     slopes = np.bincount(here, minlength=size.size)
     pairs = np.unique(here.astype(np.uint64) << np.uint64(32) | key[:-1, :-1][sloped])
     levels = np.bincount((pairs >> np.uint64(32)).astype(np.intp), minlength=size.size)
-    return np.flatnonzero((size >= AREA) & (levels >= LEVELS) & (slopes >= SLOPING * size))
+    chosen = np.flatnonzero((size >= AREA) & (levels >= LEVELS) & (slopes >= SLOPING * size))
+    return np.sort(chosen[np.argsort(-size[chosen], kind="stable")[:MANY]])
 
 
 def absorb_pieces(canvas: Canvas, labels: np.ndarray, slopes: np.ndarray) -> None:

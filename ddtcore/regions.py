@@ -9,13 +9,14 @@ plateaus, then every pixel in between goes to the nearer of its two sides.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Tuple
 
 import numpy as np
 
 from . import merging, palette, ramps, sides, strokes
 from .canvas import Canvas, mean_colours, planes, prepare, unpack
 from .model import Labels
-from .noise import ROUNDING, noise_level
+from .noise import ROUNDING, SPECK, noise_level, noisy_colours
 from .options import TraceOptions
 from .posterise import is_noisy, posterise
 from .threshold import label_steps
@@ -55,39 +56,43 @@ def label_flat_art(canvas: Canvas) -> Labels:
     """Label a picture made of flat colours, soft ramps and anti-aliasing between them."""
     slopes, count = ramps.find_ramps(canvas)
     plateaus = palette.find_plateaus(canvas, slopes >= 0)
-    noise = noise_level(canvas, plateaus.core, slopes)
+    noise, rippled = noise_level(canvas, plateaus.core, slopes)
     if noise > ROUNDING:
         slopes, count = np.full(canvas.shape, -1, np.int32), 0
         plateaus = palette.find_plateaus(canvas, slopes >= 0)
-        keys = palette.choose_noisy_colours(canvas, plateaus, noise)
+        keys = noisy_colours(canvas, plateaus, noise)
     else:
         keys = palette.choose_colours(canvas, plateaus, count > 0)
     if not keys.size and not count:
         return posterise(canvas, MANY)
     labels = palette.known_labels(canvas, plateaus, keys, noise)
     cells = canvas.cells(~plateaus.core & (slopes < 0))
-    ridges = strokes.find_ridges(canvas, cells, strokes.LEAST + noise)
-    if noise <= ROUNDING:
-        more = strokes.new_colours(canvas, cells, ridges, planes(keys, canvas.opaque), labels)
-        if more.size:
-            keys = np.append(keys, more)
-            labels = palette.known_labels(canvas, plateaus, keys, noise)
+    ridges = strokes.find_ridges(canvas, cells, noise)
+    more = strokes.new_colours(canvas, cells, ridges, planes(keys, canvas.opaque), labels, noise)
+    if more.size:
+        keys = np.append(keys, more)
+        labels = palette.known_labels(canvas, plateaus, keys, noise)
     colours = unpack(keys).astype(np.float64)
     if count:
         ramps.absorb_pieces(canvas, labels, slopes)
         canvas.bare(labels)[slopes >= 0] = slopes[slopes >= 0] + keys.size
         colours = np.concatenate([colours, mean_colours(canvas, slopes)])
-    thin = _label_unknown(canvas, labels, ridges, keys, colours)
-    return merging.drop_unused(Labels(
-        index=np.ascontiguousarray(canvas.bare(labels)), palette=colours,
-        thin=np.ascontiguousarray(canvas.bare(thin)), ramp=np.arange(len(colours)) >= keys.size))
+    thin, specks = _label_unknown(canvas, labels, ridges, keys, colours, noise)
+    result = Labels(index=np.ascontiguousarray(canvas.bare(labels)), palette=colours,
+                    thin=np.ascontiguousarray(canvas.bare(thin)), ramp=np.arange(len(colours)) >= keys.size)
+    if rippled or specks > 25 + 0.01 * cells.size:
+        return merging.merge_specks(result, SPECK)
+    return merging.drop_unused(result)
 
 
 def _label_unknown(canvas: Canvas, labels: np.ndarray, ridges: strokes.Ridges, keys: np.ndarray,
-                   colours: np.ndarray) -> np.ndarray:
-    """Label the thin strokes, then all other unknown pixels, in place; which pixels belong to strokes."""
+                   colours: np.ndarray, noise: float) -> Tuple[np.ndarray, int]:
+    """Label the thin strokes, then all other unknown pixels, in place.
+
+    Returns which pixels belong to strokes, and how many are specks that nothing explains.
+    """
     unknown = canvas.cells(canvas.bare(labels) < 0)
-    label, share = strokes.stroke_labels(canvas, ridges, planes(keys, canvas.opaque), labels)
+    label, share = strokes.stroke_labels(canvas, ridges, planes(keys, canvas.opaque), labels, noise)
     taken = (label >= 0) & (labels[ridges.cells] < 0)
     cells, label, share = ridges.cells[taken], label[taken], share[taken]
     labels[cells] = label
@@ -100,5 +105,4 @@ def _label_unknown(canvas: Canvas, labels: np.ndarray, ridges: strokes.Ridges, k
     lone = cells[strokes.lone_corners(labels, thin, cells, canvas.stride) & (share < 0.5)]
     labels[lone], thin[lone] = -1, False
     sides.label_mixed(canvas, full, labels, lone, canvas.mixing(colours))
-    sides.join_islands(canvas, full, labels, unknown)
-    return thin
+    return thin, sides.join_islands(canvas, full, labels, unknown)

@@ -165,10 +165,18 @@ def met_around(canvas: Canvas, labels: np.ndarray, cells: np.ndarray, count: int
     return met
 
 
-def join_islands(canvas: Canvas, sharp: Canvas, labels: np.ndarray, cells: np.ndarray) -> None:
+def join_islands(canvas: Canvas, sharp: Canvas, labels: np.ndarray, cells: np.ndarray) -> int:
     """Relabel one or two pixels alone in their label, where other labels near explain them; in place.
 
-    `cells` are the pixels that were not known from the start, rising.
+    Parameters
+    ----------
+    cells : ndarray of shape (N,)
+        The pixels that were not known from the start, rising.
+
+    Returns
+    -------
+    int
+        How many such pixels nothing near explains.
     """
     number = np.full(labels.size, -1, np.int32)
     number[cells] = np.arange(cells.size, dtype=np.int32)
@@ -182,9 +190,9 @@ def join_islands(canvas: Canvas, sharp: Canvas, labels: np.ndarray, cells: np.nd
     part = components(cells.size, *(np.concatenate(ends) for ends in zip(*edges)))
     held = np.bincount(part, tied) > 0
     alone = np.flatnonzero(((np.bincount(part) <= _ISLAND) & ~held)[part])
-    if not alone.size:
-        return
     before = labels[cells[alone]]
     labels[cells[alone]] = -1
     pair, label, distance = _nearer_side(canvas, sharp, labels, cells[alone])
-    labels[cells[alone]] = np.where((pair[1] >= 0) & (distance < _EXPLAINED), label, before)
+    explained = (pair[1] >= 0) & (distance < _EXPLAINED)
+    labels[cells[alone]] = np.where(explained, label, before)
+    return alone.size - np.count_nonzero(explained)

@@ -15,7 +15,6 @@ from typing import List, Sequence, Tuple
 
 import numpy as np
 
-from .bezier import from_line
 from .doors import Hidden, pinched
 from .loops import FaceLoops, begins, both_ways, face_loops, half_ranges, half_sides, ranges, rotate, select
 from .model import LINE, Curves, Drawing, Labels, Loop, PlanarMap, Polylines, Shape
@@ -28,6 +27,9 @@ from .underlap import hidden_lines
 
 _STEP = 1.5
 """Distance between samples of the arcs, px."""
+
+_UNITS = 20
+"""Units per pixel of documents: rounding to 1/20 px is lost in the tolerance, and shorter than digits allow."""
 
 
 def stack(image: np.ndarray, labels: Labels, planar: PlanarMap, lines: Polylines, curves: Curves,
@@ -68,16 +70,17 @@ def stack(image: np.ndarray, labels: Labels, planar: PlanarMap, lines: Polylines
               "curves": sum(len(loop.degree) for shape in shapes for loop in shape.loops)}
     if options.decimals >= 0:
         return Drawing(width, height, shapes, counts=counts, decimals=options.decimals)
-    return Drawing(width, height, shapes, counts=counts, scale=FINE)
-
-
-FINE = 20
-"""Units per pixel of documents: rounding to 1/20 px is lost in the tolerance, and shorter than digits allow."""
+    return Drawing(width, height, shapes, counts=counts, scale=_UNITS)
 
 
 def _rectangle(width: float, height: float) -> Loop:
     corners = np.array([[0, 0], [width, 0], [width, height], [0, height]], float)
-    return Loop(from_line(corners, np.roll(corners, -1, axis=0)), np.full(4, LINE, np.uint8))
+    return Loop(_lines(corners, np.roll(corners, -1, axis=0)), np.full(4, LINE, np.uint8))
+
+
+def _lines(begin: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """Control points (n, 4, 2) of lines with exactly these ends."""
+    return np.stack([begin, begin, end, end], axis=1)
 
 
 def _shapes(order: Order, paints: Sequence[Paint], outlines: Sequence[Sequence[Loop]]) -> Tuple[Shape, ...]:
@@ -112,7 +115,7 @@ def _continued(loops: FaceLoops, planar: PlanarMap, order: Order, curves: Curves
     count[covered[loops.halves]] = 0
     first[places], count[places] = len(degree) + starts[:-1], np.diff(starts) - 1
     # The line from one polyline's end to the next one's beginning is there, but not used.
-    control = np.concatenate([control, from_line(points[:-1], points[1:])])
+    control = np.concatenate([control, _lines(points[:-1], points[1:])])
     degree = np.concatenate([degree, np.full(len(control) - len(degree), LINE, np.uint8)])
     _cut(loops, control, degree, first, count, outlines)
 

@@ -16,10 +16,14 @@ import numpy as np
 MOST = 4
 """Most stops of a gradient."""
 
+GAIN = 0.7
+"""A further stop must lower the error at least to this share: less is luck, or noise."""
+
 BINS = 128
 """Parts of equal length in which the colours along a gradient are averaged."""
 
-_GRIDS = (24, 96, 384)
+_GRIDS = (12, 48, 192, 768)
+"""Parts into which the gradient is divided to try places for stops: at first, and then nearby."""
 
 _STIFF = 1e-6
 """Pull of the mean colour on stops that few pixels speak for, as a share of all their weight."""
@@ -98,16 +102,16 @@ def choose_stops(bins: Profile, price: float) -> Tuple[np.ndarray, np.ndarray]:
     places = np.linspace(0, 1, _GRIDS[0] + 1)
     first, last = np.triu_indices(len(places), 1)
     knots, _ = _best(bins, np.stack([places[first], places[last]], axis=1))
-    knots, error = _settled(bins, knots)
-    while len(knots) < MOST and error > price:
+    knots, error = best, least = _settled(bins, knots)
+    while len(knots) < MOST and least > price:
         more = np.broadcast_to(knots, (len(places), len(knots)))
         more, _ = _best(bins, np.sort(np.concatenate([more, places[:, None]], axis=1), axis=1))
-        more, less = _settled(bins, more)
-        if less + price >= error:
-            break
-        knots, error = more, less
-    values, _ = _fitted(bins, knots[None])
-    return knots, np.clip(values[0], 0, 255)
+        knots, error = _settled(bins, more)
+        extra = len(knots) - len(best)
+        if error + extra * price < least and error < GAIN**extra * least:
+            best, least = knots, error
+    values, _ = _fitted(bins, best[None])
+    return best, np.clip(values[0], 0, 255)
 
 
 def _settled(bins: Profile, knots: np.ndarray) -> Tuple[np.ndarray, float]:
@@ -124,7 +128,7 @@ def _settled(bins: Profile, knots: np.ndarray) -> Tuple[np.ndarray, float]:
 
 
 def _moves(knots: np.ndarray, k: int, grid: int) -> np.ndarray:
-    """The knots with number `k` where it is, and at 24 places of a grid around."""
+    """The knots with number `k` where it is, and at as many places around as the first grid has parts."""
     low = knots[k - 1] if k else 0.0
     high = knots[k + 1] if k + 1 < len(knots) else 1.0
     moved = np.repeat(knots[None], _GRIDS[0] + 1, axis=0)
@@ -148,8 +152,9 @@ def _fitted(bins: Profile, knots: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     share = hats(bins.place, knots)
     count = knots.shape[1]
     pairs = (share[..., :, None] * share[..., None, :]).reshape(len(knots), -1, count * count)
-    matrix = np.matmul(bins.weight.T, pairs).reshape(len(knots), -1, count, count)
-    matrix += _STIFF * total[:, None, None] * np.eye(count)
+    # Red, green and blue have one weight, and alpha has another one.
+    matrix = np.matmul(bins.weight[:, ::3].T, pairs).reshape(len(knots), -1, count, count)
+    matrix = matrix[:, np.arange(len(mean)) // 3] + _STIFF * total[:, None, None] * np.eye(count)
     aim = np.matmul((bins.weight * colour).T, share)
     values = np.linalg.solve(matrix, aim[..., None])[..., 0]
     error = (bins.weight * colour**2).sum() - np.einsum("mck,mck->m", values, aim)

@@ -16,6 +16,7 @@ import numpy as np
 
 from .canvas import Canvas
 from .mixes import dot, excess, length, segment_distance, third_share
+from .noise import ROUNDING
 from .sides import window
 
 LEAST = 12.0
@@ -67,11 +68,12 @@ class Ridges:
                       self.off[:, which])
 
 
-def find_ridges(canvas: Canvas, cells: np.ndarray, least: float = LEAST) -> Ridges:
+def find_ridges(canvas: Canvas, cells: np.ndarray, noise: float) -> Ridges:
     """Find the pixels among `cells` that no monotone edge explains, the crests of strokes.
 
-    They stand out by more than `least` levels.
+    They stand out by more than ripples of the given `noise` (levels) do.
     """
+    least = LEAST + 2 * (noise - ROUNDING)
     here = canvas.colours(cells)
     number = np.full(canvas.keys.size, -1, np.int32)
     number[cells] = np.arange(cells.size, dtype=np.int32)
@@ -120,8 +122,8 @@ def _two_sides(canvas: Canvas, cells: np.ndarray, here: np.ndarray, before: np.n
     return best[0], best[1]
 
 
-def new_colours(canvas: Canvas, cells: np.ndarray, ridges: Ridges, colours: np.ndarray,
-                labels: np.ndarray) -> np.ndarray:
+def new_colours(canvas: Canvas, cells: np.ndarray, ridges: Ridges, colours: np.ndarray, labels: np.ndarray,
+                noise: float) -> np.ndarray:
     """Colours that occur in thin strokes only, packed, uint32.
 
     The ridge pixel that stands out most among those no colour explains has nearly the
@@ -137,9 +139,10 @@ def new_colours(canvas: Canvas, cells: np.ndarray, ridges: Ridges, colours: np.n
     labels : ndarray of shape (P,)
         Known labels with the rim, negative where unknown.
     """
+    doubt = noise - ROUNDING
     if colours.shape[1]:
         beside, _ = third_share(ridges.colour, ridges.one, ridges.other, colours)
-        ridges = ridges.some(np.flatnonzero(beside.min(axis=1) >= np.maximum(0.4 * ridges.height, 30)))
+        ridges = ridges.some(np.flatnonzero(beside.min(axis=1) >= np.maximum(0.4 * ridges.height, 30 + 2 * doubt)))
     found, around = [], canvas.colours(cells) if ridges.cells.size else None
     for _ in range(_TRIES):
         if ridges.cells.size < 4:
@@ -147,12 +150,12 @@ def new_colours(canvas: Canvas, cells: np.ndarray, ridges: Ridges, colours: np.n
         worst = np.argmax(ridges.height)
         colour = ridges.colour[:, worst, None]
         beside, share = third_share(ridges.colour, ridges.one, ridges.other, colour)
-        fits = (beside[:, 0] < 12) & (share[:, 0] > 0.3)
+        fits = (beside[:, 0] < 12 + doubt) & (share[:, 0] > 0.3)
         fits[worst] = True
         row, col = canvas.places(ridges.cells)
         close = np.abs(row - row[worst]) + np.abs(col - col[worst]) <= _REACH
-        if np.count_nonzero(fits & close) >= 4 and not _mixed_near(canvas, ridges.cells[worst], colours, labels):
-            like = cells[np.abs(around - colour).max(axis=0) < 10]
+        if np.count_nonzero(fits & close) >= 4 + doubt and not _mixed_near(canvas, ridges.cells[worst], colours, labels):
+            like = cells[np.abs(around - colour).max(axis=0) < 10 + doubt]
             values, counts = np.unique(canvas.keys[like], return_counts=True)
             found.append(values[np.argmax(counts)] if counts.max() > 2 else canvas.keys[ridges.cells[worst]])
         ridges = ridges.some(np.flatnonzero(~fits))
@@ -169,8 +172,8 @@ def _mixed_near(canvas: Canvas, cell: int, colours: np.ndarray, labels: np.ndarr
     return bool((beside < 14).any())
 
 
-def stroke_labels(canvas: Canvas, ridges: Ridges, colours: np.ndarray,
-                  labels: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+def stroke_labels(canvas: Canvas, ridges: Ridges, colours: np.ndarray, labels: np.ndarray,
+                  noise: float) -> Tuple[np.ndarray, np.ndarray]:
     """The colour of each ridge pixel's stroke.
 
     Neighbours along the stroke decide together: the colour has to explain them all.
@@ -181,6 +184,8 @@ def stroke_labels(canvas: Canvas, ridges: Ridges, colours: np.ndarray,
         Premultiplied palette.
     labels : ndarray of shape (P,)
         Known labels with the rim, negative where unknown.
+    noise : float
+        How much flat areas vary, levels: the more, the less a faint stroke is believed.
 
     Returns
     -------
@@ -202,7 +207,7 @@ def stroke_labels(canvas: Canvas, ridges: Ridges, colours: np.ndarray,
     choice = np.argmin(vote + 0.3 * beside, axis=1)
     rows = np.arange(choice.size)
     beside, share = beside[rows, choice], share[rows, choice]
-    good = (beside < 0.25 * height + 10) & (share > FAINT)
+    good = (beside < 0.25 * height + 10) & (share > FAINT + (noise - ROUNDING) / 100)
     return np.where(good, chosen[choice], -1).astype(np.int32), share
 
 

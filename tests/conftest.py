@@ -9,6 +9,10 @@ import inkscape_host
 import pytest
 
 
+def pytest_addoption(parser):
+    parser.addoption("--update-golden", action="store_true", help="write the drawings in tests/golden anew")
+
+
 @pytest.fixture(autouse=True)
 def clean_environment(monkeypatch):
     """Nothing that Inkscape, or inkex in an earlier test, left in the environment."""

@@ -59,7 +59,7 @@ class Inkscape:
 
     def trace(self, document, result, ids=(), log=None, **settings):
         """Trace pictures of a document through the menu action, with settings as the dialog keeps them."""
-        values = "".join(f" {EXTENSION_ID}.{name}={quoteattr(str(value))}" for name, value in settings.items())
+        values = "".join(f" {EXTENSION_ID}.{name}={quoteattr(value)}" for name, value in settings.items())
         (self.profile / "preferences.xml").write_text(
             f'<inkscape version="1"><group id="extensions"{values}/></inkscape>')
         action = EXTENSION_ID.replace("_", "-") + ".noprefs"

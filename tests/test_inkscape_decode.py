@@ -18,9 +18,9 @@ from ddtcore.inkscape.png import SIGNATURE, read_png
 
 pytest.importorskip("inkex")
 
-from ddtcore.inkscape import decode as module  # noqa: E402
-from ddtcore.inkscape.decode import decode, decode_with_inkscape  # noqa: E402
-from ddtcore.inkscape.source import PictureError  # noqa: E402
+from ddtcore.inkscape import decode as module
+from ddtcore.inkscape.decode import decode, decode_with_inkscape
+from ddtcore.inkscape.source import PictureError
 
 
 def picture(height=9, width=13, seed=0):
@@ -69,8 +69,9 @@ def test_png_as_pillow_writes_it(shape):
     assert np.array_equal(read_png(encoded(rgba)), rgba)
 
 
-@pytest.mark.parametrize("data", [b"", b"GIF89a", SIGNATURE, encoded(picture())[:60], encoded(picture())[:-30],
-                                  encoded(picture(), mode="RGB"), encoded(picture(), mode="P")])
+@pytest.mark.parametrize("data", [
+    b"", b"GIF89a", SIGNATURE, encoded(picture())[:60], encoded(picture())[:-30],
+    encoded(picture(), mode="RGB"), encoded(picture(), mode="P")])
 def test_png_that_cannot_be_read(data):
     with pytest.raises(ValueError):
         read_png(data)
@@ -98,7 +99,7 @@ def test_a_drawing_is_no_bitmap(text):
 
 @pytest.mark.parametrize("data", [b"nonsense", encoded(picture())[:40]])
 def test_damaged_data_give_half_a_sentence(data):
-    with pytest.raises(PictureError, match="^it ") as caught:
+    with pytest.raises(PictureError, match=r"^it ") as caught:
         decode(data)
     assert not str(caught.value).endswith(".")
 

@@ -11,8 +11,8 @@ import pytest
 
 inkex = pytest.importorskip("inkex")
 
-from ddtcore.inkscape.faults import plain_messages  # noqa: E402
-from ddtcore.inkscape.log import note  # noqa: E402
+from ddtcore.inkscape.faults import plain_messages
+from ddtcore.inkscape.log import note
 
 
 def test_an_abort_passes():

@@ -11,12 +11,12 @@ import pytest
 
 inkex = pytest.importorskip("inkex")
 
-from ddt_trace import DdtTrace  # noqa: E402
-from lxml import etree  # noqa: E402
+from lxml import etree
 
-import ddtcore  # noqa: E402
-from ddtcore.inkscape import layer  # noqa: E402
-from ddtcore.model import Gradient  # noqa: E402
+import ddtcore
+from ddt_trace import DdtTrace
+from ddtcore.inkscape import layer
+from ddtcore.model import Gradient
 
 PICTURE = Path(__file__).parent / "documents" / "picture.png"
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
@@ -80,10 +80,10 @@ def test_larger_areas_lie_at_the_back(tmp_path):
 
 
 def test_ids_never_clash(tmp_path, monkeypatch):
-    _, root = trace(tmp_path, IMAGE % ("a", 0) + '<g id="ddt-trace-clip1-x"/>', "--id=a")
     sliced = IMAGE.replace("<image", '<image preserveAspectRatio="xMidYMid slice" height="9"').replace(
         'width="60" height="44"', 'width="60"')
-    body = sliced % ("a", 0) + sliced % ("b", 70) + '<g id="ddt-trace-clip1-x"/><g id="ddt-trace-gradient2-"/>'
+    body = (sliced % ("a", 0) + sliced % ("b", 70)
+            + '<g id="ddt-trace-clip1-x"/><g id="ddt-trace-gradient2-"/>')
     ramp = Gradient("linear", (0, 0), (60, 0), ((0, (0, 0, 0), 1), (1, (255, 0, 0), 1)))
     drawing = ddtcore.trace(ddtcore.load_image(str(PICTURE)))
     shapes = tuple(copy.copy(shape) for shape in drawing.shapes)

@@ -15,14 +15,15 @@ import pytest
 
 inkex = pytest.importorskip("inkex")
 
-import resvg_py  # noqa: E402
-from alignment import over_white, shift  # noqa: E402
-from ddt_trace import DdtTrace  # noqa: E402
-from hypothesis import given  # noqa: E402
-from hypothesis import strategies as st  # noqa: E402
+import resvg_py
+from alignment import over_white, shift
+from hypothesis import given
+from hypothesis import strategies as st
 
-from ddtcore.inkscape.placement import Box, fit, length  # noqa: E402
-from ddtcore.inkscape.source import PictureError  # noqa: E402
+from ddt_trace import DdtTrace
+from ddtcore.inkscape.pictures import find_pictures
+from ddtcore.inkscape.placement import Box, fit, length, place
+from ddtcore.inkscape.source import PictureError
 
 DOCUMENTS = Path(__file__).parent / "documents"
 CELL = 100
@@ -61,7 +62,7 @@ def grids(tmp_path_factory):
 
 def check(folder, name, cells, blank_cells=()):
     """Compare the documents before and after, cell by cell."""
-    before, after = (over_white(str(path)) for path in (folder / f"{name}.png", folder / "after" / f"{name}.png"))
+    before, after = (over_white(str(path / f"{name}.png")) for path in (folder, folder / "after"))
     columns = before.shape[1] // CELL
     for cell in cells:
         row, column = divmod(cell, columns)
@@ -107,7 +108,7 @@ def test_fit_keeps_the_shape_and_touches_the_box(box, content, aspect_ratio):
     assert all(o <= i + slack for o, i in zip(outer[:2], inner[:2]))
     assert all(o >= i - slack for o, i in zip(outer[2:], inner[2:]))
     sides = np.abs(np.subtract(outer, inner)) <= slack
-    assert sides[0] and sides[2] or sides[1] and sides[3]
+    assert (sides[0] and sides[2]) or (sides[1] and sides[3])
     for value, side in (("xMin", 0), ("YMin", 1), ("xMax", 2), ("YMax", 3)):
         assert value not in aspect_ratio or sides[side]
 
@@ -130,6 +131,30 @@ def test_fit_takes_anything_invalid_for_the_default(invalid):
 def test_fit_refuses_what_has_no_area(box):
     with pytest.raises(PictureError, match="without a width or a height"):
         fit(box, Box(0, 0, 10, 10), None)
+
+
+def placed(attributes, root="", before=""):
+    """Where the only picture of a document of 10 x 10 px lies."""
+    svg = inkex.load_svg(f'<svg xmlns="http://www.w3.org/2000/svg" {root}>{before}<image {attributes}/></svg>')
+    return place(find_pictures(svg.getroot(), [])[0].chain, 10, 10)
+
+
+@pytest.mark.parametrize("transform", ["scale(0)", "translate(1e400)", "matrix(1e300 0 0 1e300 0 0)"])
+def test_what_cannot_be_seen_is_not_traced(transform):
+    with pytest.raises(PictureError, match="nothing of it to be seen"):
+        placed(f'transform="{transform}"')
+
+
+@pytest.mark.parametrize("transform", ["matrix(nan 0 0 1 0 0)", "rotate(", "nonsense(3)"])
+def test_a_transform_that_cannot_be_read_counts_for_nothing(transform):
+    assert placed(f'transform="{transform}"') == placed("")
+
+
+def test_style_sheets_that_cannot_be_read_do_no_harm():
+    sheet = "<style>p { ] } image:future-thing(3), {} image::x { opacity: .3 } }</style>"
+    frames = placed('style="opacity:0.5;clip-path:url(#c)" mask="url(#m)"', before=sheet).frames
+    assert [frame.style for frame in frames] == [
+        {"clip-path": "url(#c)", "mask": "url(#m)", "opacity": "0.5"}]
 
 
 @pytest.mark.parametrize("text, value", [

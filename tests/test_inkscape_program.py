@@ -31,7 +31,8 @@ LINKS = {
 
 
 def image(name, number, link, extra=""):
-    return (f'<image id="{name}" x="{number % 4 * 100 + 20}" y="{number // 4 * 100 + 20}" width="60" height="44"'
+    row, column = divmod(number, 4)
+    return (f'<image id="{name}" x="{column * 100 + 20}" y="{row * 100 + 20}" width="60" height="44"'
             f' xlink:href="{link}" {extra}/>')
 
 
@@ -64,7 +65,7 @@ def target(reference, folder):
 def test_menu_action_on_linked_pictures(inkscape, linked, tmp_path):
     before, after, log = linked / "drawing.svg", linked / "traced.svg", tmp_path / "log"
     ids = ("plain", "space", "literal", "uri", "moved", "thing")
-    inkscape.trace(before, after, ids, log=log, source="hide", **{"tolerance": "0.3"})
+    inkscape.trace(before, after, ids, log=log, source="hide", tolerance="0.3")
     root = etree.parse(str(after)).getroot()
     groups = {group.get(LABEL): group for group in root.iter("{*}g") if group.find("{*}desc") is not None}
     assert set(groups) == set(ids) - {"thing"}
@@ -87,7 +88,8 @@ def test_menu_action_on_linked_pictures(inkscape, linked, tmp_path):
 
 def test_nothing_selected_in_a_document_with_one_picture(inkscape, tmp_path):
     write(tmp_path / "in.svg", f'<g id="layer" transform="rotate(5)">{image("only", 0, PICTURE)}</g>')
-    inkscape.trace(tmp_path / "in.svg", tmp_path / "out.svg", log=tmp_path / "log", source="remove", preset="paper")
+    inkscape.trace(tmp_path / "in.svg", tmp_path / "out.svg", log=tmp_path / "log",
+                   source="remove", preset="paper")
     root = etree.parse(str(tmp_path / "out.svg")).getroot()
     assert not list(root.iter("{*}image"))
     description = root.findtext("{*}g/{*}g/{*}desc")
@@ -96,7 +98,8 @@ def test_nothing_selected_in_a_document_with_one_picture(inkscape, tmp_path):
 
 def test_a_document_that_cannot_be_traced_stays_as_it_is(inkscape, tmp_path):
     write(tmp_path / "in.svg", image("good", 0, PICTURE) + image("bad", 1, "data:;base64,AAAA"))
-    inkscape.trace(tmp_path / "in.svg", tmp_path / "out.svg", ("good", "bad"), log=tmp_path / "log", source="remove")
+    inkscape.trace(tmp_path / "in.svg", tmp_path / "out.svg", ("good", "bad"), log=tmp_path / "log",
+                   source="remove")
     root = etree.parse(str(tmp_path / "out.svg")).getroot()
     assert [element.get("id") for element in root.iter("{*}image", "{*}path")] == ["good", "bad"]
     message = (tmp_path / "log").read_text(encoding="utf-8")

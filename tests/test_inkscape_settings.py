@@ -9,8 +9,8 @@ import pytest
 
 pytest.importorskip("inkex")
 
-from ddtcore.inkscape.settings import add_arguments, changes, trace_options  # noqa: E402
-from ddtcore.options import PRESETS, TraceOptions  # noqa: E402
+from ddtcore.inkscape.settings import add_arguments, changes, trace_options
+from ddtcore.options import PRESETS, TraceOptions
 
 
 def parse(*arguments):

@@ -12,10 +12,10 @@ import pytest
 
 inkex = pytest.importorskip("inkex")
 
-from hypothesis import given  # noqa: E402
-from hypothesis import strategies as st  # noqa: E402
+from hypothesis import given
+from hypothesis import strategies as st
 
-from ddtcore.inkscape.source import (  # noqa: E402
+from ddtcore.inkscape.source import (
     PictureError,
     data_bytes,
     find_file,

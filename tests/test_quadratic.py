@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from meshes import exact_labels, pictures
 from pictures import Picture, placed
 
-from ddtcore.model import LINE, QUADRATIC
+from ddtcore.model import LINE, QUADRATIC, PlanarMap, Polylines
 from ddtcore.options import TraceOptions
 from ddtcore.quadratic import fit_quadratics, polygons
 
@@ -113,15 +113,27 @@ def test_suppression_keeps_one_in_so_many_but_never_less_than_an_area(image, sup
                                  -(-max(len(kept) - 2, 0) // (suppression + 1)))
 
 
-def test_straight_edges_lose_all_points_between_their_ends():
-    index = np.zeros((16, 20), np.uint8)
-    index[4:12, 5:16] = 255
-    image = np.repeat(index[..., None], 4, axis=2)
-    image[..., 3] = 255
-    drawn = outlines(image)
-    ring = drawn.inner()[0]
-    control, _ = segments(fit_quadratics(drawn.planar, drawn.lines, 0), ring)
-    assert len(drawn.arc(ring)) > 60 and len(control) <= 16
+def one_arc(points, ring):
+    """A map of nothing but one arc between two regions."""
+    end, none = np.array([-1 if ring else 0], np.int32), np.zeros(0, np.int32)
+    planar = PlanarMap(np.zeros(2, int), none, end, end, np.array([1]), np.array([2]), none, np.zeros(3, np.int32),
+                       np.zeros((1, 1), np.int32))
+    points = np.array(points, float) / 3
+    return planar, Polylines(np.array([0, len(points)]), points, np.ones(len(points)), np.zeros(1))
+
+
+@pytest.mark.parametrize("ring", [True, False])
+def test_points_amid_straight_lines_are_left_out(ring):
+    thirds = [(0, 0), (2, 0), (4, 0), (5, 0), (7, 1), (9, 2), (13, 4), (13, 7), (13, 8), (10, 8), (1, 8), (0, 8)]
+    curves = fit_quadratics(*one_arc(thirds, ring), 0)
+    bends = np.array([(0, 0), (5, 0), (13, 4), (13, 8), (0, 8)]) / 3
+    assert np.array_equal(curves.control[:, 1], bends if ring else bends[1:-1])
+
+
+def test_an_arc_of_two_points_is_a_line():
+    curves = fit_quadratics(*one_arc([(3, 4), (9, 5)], False), 0)
+    assert curves.degree.tolist() == [LINE]
+    assert np.array_equal(curves.control[0, [0, 3]], np.array([(3, 4), (9, 5)]) / 3)
 
 
 def test_the_border_of_the_picture_stays_straight():

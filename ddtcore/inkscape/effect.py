@@ -48,7 +48,7 @@ def trace_pictures(svg: inkex.SvgDocumentElement, chosen: Namespace, folders: Fo
         top = picture.chain[0]
         if top not in layers:
             layers[top] = new_layer(svg, top)
-        notes = drawing.notes if finish_source(picture, chosen.source) else drawing.notes + (KEPT,)
+        notes = drawing.notes if finish_source(picture, chosen.source) else (*drawing.notes, KEPT)
         add_drawing(layers[top], picture.name, _description(chosen, drawing, notes), drawing, placement)
         note(f'"{picture.name}": {"; ".join(notes) or "traced"}')
 
@@ -71,5 +71,6 @@ def _trace_all(pictures: List[Picture], options: TraceOptions, folders: Folders)
 def _description(chosen: Namespace, drawing: Drawing, notes: Tuple[str, ...]) -> str:
     settings = ", ".join(f"{name}={value}" for name, value in
                          [("preset", chosen.preset), *changes(vars(chosen)).items()])
-    lines = [f"DDT Trace {__version__}", f"Picture: {drawing.width} x {drawing.height} px", f"Settings: {settings}"]
-    return "\n".join(lines + [f"Note: {text}" for text in notes])
+    size = f"{drawing.width} x {drawing.height} px"
+    return "\n".join([f"DDT Trace {__version__}", f"Picture: {size}", f"Settings: {settings}",
+                      *(f"Note: {text}" for text in notes)])

@@ -2,8 +2,9 @@
 """Messages for batch runs: into a file instead of a box that nobody can close.
 
 Inkscape shows whatever an extension writes to stderr in a modal box, even without a
-window.  If the environment variable ``DDT_TRACE_LOG`` names a file, all messages, and
-the notes of successful traces, go there instead.
+window.  If the environment variable ``DDT_TRACE_LOG`` names a file (by an absolute path,
+for Inkscape runs extensions in their own folder), all messages, and the notes of
+successful traces, go there instead.
 """
 
 from __future__ import annotations

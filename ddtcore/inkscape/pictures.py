@@ -55,7 +55,7 @@ def name_of(element: inkex.BaseElement) -> str:
     ----------
     element : BaseElement
     """
-    return element.get("inkscape:label") or element.get("id") or element.TAG
+    return str(element.get("inkscape:label") or element.get("id") or element.TAG)
 
 
 def find_pictures(svg: inkex.SvgDocumentElement, ids: Sequence[str]) -> List[Picture]:
@@ -131,9 +131,9 @@ def _shown_in(start: Chain, elements: Elements) -> Iterator[Chain]:
         elif isinstance(element, inkex.Use):
             target = elements.get(href(element)[1:])
             if target is not None and target not in chain:
-                stack.append(chain + (target,))
+                stack.append((*chain, target))
         elif _shows_children(chain):
-            stack.extend(chain + (child,) for child in reversed(element)
+            stack.extend((*chain, child) for child in reversed(element)
                          if isinstance(child, inkex.BaseElement))
 
 

@@ -8,6 +8,7 @@ viewport, and gives an image without a width or a height that of its pixels.
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from typing import Dict, List, NamedTuple, Optional, Tuple
@@ -20,6 +21,8 @@ from .source import PictureError
 
 EFFECTS = {"clip-path": "none", "mask": "none", "filter": "none", "opacity": "1", "mix-blend-mode": "normal"}
 """Properties that change how an element and all it holds look, with their initial values."""
+
+ASPECT_RATIO = re.compile(r"\s*(?:(none)|x(Min|Mid|Max)Y(Min|Mid|Max))(?:\s+(meet|slice))?\s*$")
 
 FRACTIONS = {"Min": 0.0, "Mid": 0.5, "Max": 1.0}
 
@@ -93,9 +96,8 @@ def place(chain: Chain, width: int, height: int) -> Placement:
     image = chain[-1]
     viewport, matrix = _root_viewport(image.root), inkex.Transform()
     frames: List[Frame] = []
-    for before, element in zip((image.root,) + chain, chain):
-        if element.TAG != "svg":  # Inkscape ignores the transform of a nested svg element
-            matrix = matrix @ element.transform
+    for before, element in zip((image.root, *chain), chain):
+        matrix = matrix @ _own_transform(element)
         box = _box(element, before, viewport, (width, height))
         style = effects(element)
         if style:
@@ -107,7 +109,25 @@ def place(chain: Chain, width: int, height: int) -> Placement:
     if cut:
         frames.append(Frame(matrix, {}, clip=box))
         matrix = inkex.Transform()
-    return Placement(tuple(frames), matrix @ fitted)
+    placement = Placement(tuple(frames), matrix @ fitted)
+    _check_visible(placement)
+    return placement
+
+
+def _own_transform(element: inkex.BaseElement) -> inkex.Transform:
+    if element.TAG == "svg":  # Inkscape ignores the transform of a nested svg element
+        return inkex.Transform()
+    try:
+        return element.transform
+    except ValueError:  # as Inkscape does with one that cannot be read
+        return inkex.Transform()
+
+
+def _check_visible(placement: Placement) -> None:
+    for transform in (placement.transform, *(frame.transform for frame in placement.frames)):
+        determinant = transform.a * transform.d - transform.b * transform.c
+        if not (determinant and all(map(math.isfinite, (*transform.to_hexad(), determinant)))):
+            raise PictureError("its transform leaves nothing of it to be seen")
 
 
 def fit(box: Box, content: Box, aspect_ratio: Optional[str]) -> Tuple[inkex.Transform, bool]:
@@ -136,7 +156,7 @@ def fit(box: Box, content: Box, aspect_ratio: Optional[str]) -> Tuple[inkex.Tran
     across, down = box.width / content.width, box.height / content.height
     x = y = "Mid"
     cut = False
-    found = re.match(r"\s*(?:(none)|x(Min|Mid|Max)Y(Min|Mid|Max))(?:\s+(meet|slice))?\s*$", aspect_ratio or "")
+    found = ASPECT_RATIO.match(aspect_ratio or "")
     if not (found and found.group(1)):
         if found:
             x, y, cut = found.group(2), found.group(3), found.group(4) == "slice"
@@ -171,7 +191,10 @@ def own_style(element: inkex.BaseElement) -> inkex.Style:
     element : BaseElement
     """
     attributes = dict(element.attrib)
-    style = element.cascaded_style()
+    try:
+        style = element.cascaded_style()
+    except Exception:  # a style sheet that the CSS parser of inkex cannot read
+        style = element.presentation_style() + element.style
     # To look it up in style sheets, inkex may have given it an id and rewritten its style.
     element.attrib.clear()
     element.attrib.update(attributes)

@@ -69,10 +69,10 @@ def _unfilter(filters: np.ndarray, lines: np.ndarray) -> np.ndarray:
     inside[columns + 2, rows[:, None]] = True
     for step in range(2, width + height + 1):
         left, above, corner = sheared[step - 1, 1:], sheared[step - 1, :-1], sheared[step - 2, :-1]
-        predicted = np.choose(filters[:, None], (0, left, above, (left + above) // 2,
-                                                 _paeth(left, above, corner)))
+        guesses = [np.zeros_like(left), left, above, (left + above) // 2, _paeth(left, above, corner)]
+        predicted = np.choose(filters[:, None], guesses)
         sheared[step, 1:] = np.where(inside[step][:, None], (sheared[step, 1:] + predicted) & 255, 0)
-    return sheared[columns + 2, rows[:, None] + 1].astype(np.uint8)
+    return np.asarray(sheared[columns + 2, rows[:, None] + 1], np.uint8)
 
 
 def _paeth(left: np.ndarray, above: np.ndarray, corner: np.ndarray) -> np.ndarray:

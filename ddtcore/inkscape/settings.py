@@ -73,4 +73,4 @@ def changes(values: Dict[str, Any]) -> Dict[str, Any]:
 
 def _help(meta: Any) -> str:
     unit = f" ({meta['unit']})" if meta["unit"] else ""
-    return (meta["help"] + unit).replace("%", "%%")
+    return f"{meta['help']}{unit}".replace("%", "%%")

@@ -140,7 +140,8 @@ def find_file(reference: str, folders: Folders) -> Optional[str]:
         Path of a regular file; None if there is none, or the link leads to a network.
     """
     # isfile also turns down devices, pipes and names that no file can have.
-    return next((os.path.abspath(path) for path in _local_paths(reference, folders) if os.path.isfile(path)), None)
+    paths = filter(os.path.isfile, _local_paths(reference, folders))
+    return next(map(os.path.abspath, paths), None)
 
 
 def is_relative(reference: str) -> bool:

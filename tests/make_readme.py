@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Make what README.md shows: its pictures and its tables.
+
+``.venv/bin/python tests/make_readme.py`` paints tests/images/readme/*.png and writes the
+tables between the marks in README.md.  Everything is measured and painted anew; the
+sources are the bundled pictures, the settings and the docstrings of the modules.
+"""
+
+from __future__ import annotations
+
+import ast
+import io
+import re
+import sys
+from dataclasses import fields, replace
+from pathlib import Path
+from statistics import median
+
+import resvg_py
+from PIL import Image
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+
+from ddtcore import TraceOptions, load_image, trace  # noqa: E402
+from ddtcore.options import PRESETS  # noqa: E402
+from ddtcore.report import report  # noqa: E402
+from ddtcore.svg import encoded, group  # noqa: E402
+
+README = ROOT / "README.md"
+IMAGES = ROOT / "tests" / "images"
+PICTURES = IMAGES / "readme"
+CRISP = sorted((IMAGES / "crisp").glob("*.png"))
+
+PAPER_ROWS = {"Donald Duck": (1740, 85577, 139, 56), "Pumba": (4470, 233179, 129, 48),
+              "Information": (233, 11293, 9, 4), "Goofy": (832, 39940, 53, 22)}
+"""Table 1 of the paper: bitmap, DDT, curves, SVGZ in kilobytes."""
+
+ROOMS = {
+    "the whole": "pipeline model options",
+    "from outside": "__init__ __main__ cli files report inkscape",
+    "picture in": "raster",
+    "pixels to regions": "regions canvas palette noise mixes sides strokes ramps posterise threshold merging"
+                         " components",
+    "mesh": "triangulation quads cost flips",
+    "outlines": "border outline position coverage ribbon staircase",
+    "curves": "fit runs corner cubic quadratic polish field bezier",
+    "paint": "paint gradient stops",
+    "drawing out": "stacking order loops doors rankmap underlap shortcut svg pathdata",
+}
+"""Modules of ddtcore in the order of reading; new ones appear at the end until they are named here."""
+
+_GAP = 16
+_INK = "#d0006f"
+
+
+# -- pictures ---------------------------------------------------------------------
+
+def paint(body, box, zoom):
+    """Render a piece of SVG, in pixels of the picture, where `box` (x, y, width, height) lies."""
+    x, y, width, height = box
+    svg = (f'<svg xmlns="http://www.w3.org/2000/svg" width="{width * zoom}" height="{height * zoom}"'
+           f' viewBox="{x} {y} {width} {height}">{body}</svg>')
+    png = resvg_py.svg_to_bytes(svg_string=svg, background="white", skip_system_fonts=True)
+    return Image.open(io.BytesIO(bytes(png))).convert("RGB")
+
+
+def enlarge(picture, box, zoom):
+    """The bitmap itself, every pixel a square."""
+    x, y, width, height = box
+    with Image.open(picture) as image:
+        pixels = image.convert("RGBA").crop((x, y, x + width, y + height))
+    page = Image.new("RGBA", pixels.size, "white")
+    page.alpha_composite(pixels)
+    return page.convert("RGB").resize((width * zoom, height * zoom), Image.NEAREST)
+
+
+def traced(picture, preset="clip-art", **changes):
+    """A trace with coordinates fine enough to be enlarged."""
+    drawing = trace(load_image(picture), TraceOptions.preset(preset, **changes))
+    return replace(drawing, decimals=3)
+
+
+def nodes(drawing, zoom):
+    """The nodes of a drawing as dots, the control points as handles."""
+    dots, handles = set(), set()
+    for shape in drawing.shapes:
+        for loop in shape.loops:
+            for (p0, p1, p2, p3), degree in zip(loop.control.round(2).tolist(), loop.degree):
+                dots.add(tuple(p0))
+                if degree > 1:
+                    handles.update([(*p0, *p1), (*p3, *p2)])
+    lines = "".join(f"M{x0} {y0}L{x1} {y1}" for x0, y0, x1, y1 in sorted(handles))
+    circles = "".join(f'<circle cx="{x}" cy="{y}" r="{2.6 / zoom}"/>' for x, y in sorted(dots))
+    return (f'<path d="{lines}" fill="none" stroke="{_INK}" stroke-width="{1 / zoom}"/>'
+            f'<g fill="{_INK}" stroke="white" stroke-width="{.8 / zoom}">{circles}</g>')
+
+
+def beside(*rows):
+    """Pictures of one size in rows, with a gap between them."""
+    width, height = rows[0][0].size
+    columns = len(rows[0])
+    page = Image.new("RGB", (columns * (width + _GAP) - _GAP, len(rows) * (height + _GAP) - _GAP), "white")
+    for i, row in enumerate(rows):
+        for j, picture in enumerate(row):
+            page.paste(picture, (j * (width + _GAP), i * (height + _GAP)))
+    return page
+
+
+def save(picture, name, colours=64):
+    """Write a PNG with few colours: small, and the same at every run."""
+    PICTURES.mkdir(exist_ok=True)
+    reduced = picture.quantize(colours, method=Image.MEDIANCUT, dither=Image.NONE)
+    reduced.save(PICTURES / f"{name}.png", optimize=True)
+
+
+def make_pictures():
+    """Paint all pictures of the README."""
+    dinosaur = IMAGES / "stegosaurus.png"
+    whole, detail = (0, 0, 256, 156), (158, 12, 64, 39)
+    drawing = traced(dinosaur)
+    save(beside([enlarge(dinosaur, whole, 2), paint(group(drawing), whole, 2)],
+                [enlarge(dinosaur, detail, 8), paint(group(drawing), detail, 8)]), "before-after")
+
+    zoom = 8
+    for result in ("triangles", "border"):
+        save(paint(group(traced(dinosaur, result=result, flips="everywhere")), detail, zoom), result)
+    for result in ("outlines", "curves"):
+        # Shapes that are cut out have nodes where they are seen, and nowhere under others.
+        marks = nodes(traced(dinosaur, result=result, stacking="cutout"), zoom)
+        save(paint(group(traced(dinosaur, result=result)) + marks, detail, zoom), result)
+
+    crisp, close = IMAGES / "crisp" / "stegosaurus.png", (28, 350, 82, 72)
+    save(beside([enlarge(crisp, close, 4)] + [paint(group(traced(crisp, preset)), close, 4)
+                                              for preset in ("paper", "clip-art")]), "paper-and-default")
+
+
+# -- tables -----------------------------------------------------------------------
+
+def table(head, rows, numbers=False):
+    """A table in Markdown; with numbers, all columns but the first are aligned to the right."""
+    rule = ["---", *["---:" if numbers else "---"] * (len(head) - 1)]
+    return "\n".join("| " + " | ".join(map(str, line)) + " |" for line in [head, rule, *rows])
+
+
+def figures_of(picture):
+    """A row of `ratios_table`: sizes in kilobytes with the preset `paper`, the two ratios, the default's size."""
+    image = load_image(picture)
+    paper = report(image, TraceOptions.preset("paper"))
+    default = sum(map(len, encoded(trace(image))))
+    sizes = [size / 1000 for size in (paper.bmp, paper.ddt_svg, paper.svg, paper.svgz)]
+    return [*sizes, paper.bmp / paper.svg, paper.ddt_svg / paper.svgz, default / 1000]
+
+
+def ratios_table():
+    """The paper's Table 1: our pictures with the preset `paper`, then the paper's own."""
+    digits = (0, 0, 1, 1, 1, 0, 1)
+    figures = {picture.stem: figures_of(picture) for picture in CRISP}
+    rows = [[name, *(f"{value:,.{n}f}" for value, n in zip(row, digits))] for name, row in figures.items()]
+    middle = [median(row[k] for row in figures.values()) for k in (4, 5)]
+    rows.append(["*median*", "", "", "", "", f"{middle[0]:.1f}", f"{middle[1]:,.0f}", ""])
+    for name, (bmp, ddt, svg, svgz) in PAPER_ROWS.items():
+        rows.append([f"{name} (paper)", f"{bmp:,}", f"{ddt:,}", svg, svgz,
+                     f"{bmp / svg:.1f}", f"{ddt / svgz:,.0f}", ""])
+    head = ["picture", "BMP", "DDT SVG", "SVG", "SVGZ", "BMP / SVG", "DDT SVG / SVGZ", "SVG, default settings"]
+    return table(head, rows, numbers=True)
+
+
+def settings_table():
+    """All settings with their ranges and defaults."""
+    rows = []
+    for setting in fields(TraceOptions):
+        meta = setting.metadata
+        values = ", ".join(f"`{choice}`" for choice in meta["choices"])
+        if not values:
+            values = f"{meta['low']:,.15g} to {meta['high']:,.15g} {meta['unit']}".rstrip()
+        default = setting.default if isinstance(setting.default, str) else f"{setting.default:,.15g}"
+        rows.append([f"`--{setting.name}`", meta["help"], values, f"`{default}`"])
+    return table(["setting", "what it says", "values", "default"], rows)
+
+
+def presets_table():
+    """The settings of each preset that differ from the defaults."""
+    rows = [[f"`{name}`", ", ".join(f"`--{key} {value}`" for key, value in changes.items()) or "the defaults"]
+            for name, changes in PRESETS.items()]
+    return table(["preset", "what it sets"], rows)
+
+
+def rooms_table():
+    """Each module of ddtcore with the first line of its docstring."""
+    modules = {path.stem: path for path in (ROOT / "ddtcore").glob("*.py")}
+    modules.update({path.parent.name: path for path in (ROOT / "ddtcore").glob("*/__init__.py")})
+    groups = {title: names.split() for title, names in ROOMS.items()}
+    named = {name for names in groups.values() for name in names}
+    groups["more"] = sorted(set(modules) - named)
+    lines = []
+    for title, names in groups.items():
+        present = [name for name in names if name in modules]
+        if present:
+            lines.append(f"\n{title}")
+            lines += [f"  {_file(modules[name]):<18}{_first_line(modules[name])}" for name in present]
+    return "```text" + "\n".join(lines) + "\n```"
+
+
+def _file(path):
+    return path.parent.name + "/" if path.name == "__init__.py" and path.parent.name != "ddtcore" else path.name
+
+
+def _first_line(path):
+    text = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8")))
+    return text.splitlines()[0].rstrip(".")
+
+
+TABLES = {"ratios": ratios_table, "settings": settings_table, "presets": presets_table, "rooms": rooms_table}
+
+
+def with_tables(text, names=tuple(TABLES)):
+    """The README with some of its tables made anew."""
+    for name in names:
+        mark = rf"(<!-- {name}: [^>]*-->\n).*?(\n<!-- end -->)"
+        text, found = re.subn(mark, lambda match: match[1] + TABLES[name]() + match[2], text, flags=re.DOTALL)
+        if found != 1:
+            raise ValueError(f"README.md must have one place for the table {name!r}, not {found}")
+    return text
+
+
+if __name__ == "__main__":
+    make_pictures()
+    README.write_text(with_tables(README.read_text(encoding="utf-8")), encoding="utf-8")

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""README.md: its commands run, its tables are up to date, and what it points to is there."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import make_readme
+import pytest
+from PIL import Image
+
+ROOT = Path(__file__).resolve().parent.parent
+TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
+
+NOT_RUN = {
+    "make demo": "sets up a machine; .ci/demo is the same",
+    "make install": "changes the user's Inkscape; test_inkscape_program installs elsewhere",
+    "make test": "is what runs this",
+    "sudo apt-get": "needs the network",
+    "xvfb-run": "is what test_inkscape_program does",
+    "python3 -m ddtcore --preset paper --report --out-dir traced tests/images/crisp/*.png": "takes half a minute",
+    ".venv/bin/python tests/make_readme.py": "writes into the project",
+}
+"""Beginnings of commands that are shown only, and why."""
+
+RENEW = "run .venv/bin/python tests/make_readme.py"
+
+
+def blocks(language):
+    """The fenced blocks of a language."""
+    return re.findall(rf"^```{language}\n(.*?)^```$", TEXT, flags=re.MULTILINE | re.DOTALL)
+
+
+def commands():
+    """The shell commands that can be run here."""
+    lines = [line.split("  #")[0].strip() for block in blocks("sh") for line in block.splitlines()]
+    return [line for line in lines if not line.startswith(tuple(NOT_RUN))]
+
+
+@pytest.fixture
+def copy(tmp_path):
+    """A folder that looks like the project, where commands may write."""
+    shutil.copytree(ROOT / "tests" / "images", tmp_path / "tests" / "images")
+    shutil.copytree(ROOT / "tests" / "documents", tmp_path / "tests" / "documents")
+    for name in ("ddtcore", "ddt_trace.py"):
+        (tmp_path / name).symlink_to(ROOT / name)
+    python = tmp_path / "bin" / "python3"
+    python.parent.mkdir()
+    python.write_text(f'#!/bin/sh\nexec "{sys.executable}" "$@"\n')
+    python.chmod(0o755)
+    return tmp_path
+
+
+def run(arguments, folder):
+    """Run a command as a person would, and return what it printed."""
+    path = os.pathsep.join([str(folder / "bin"), os.environ["PATH"]])
+    done = subprocess.run(arguments, cwd=folder, env={**os.environ, "PATH": path}, text=True,
+                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=60)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def files(folder):
+    return {path for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.mark.parametrize("command", commands())
+def test_commands_do_something(copy, command):
+    before = files(copy)
+    printed = run(["bash", "-c", command], copy)
+    new = files(copy) - before
+    assert new or printed
+    for path in new:
+        assert path.suffix in (".svg", ".svgz") and path.stat().st_size > 500
+
+
+@pytest.mark.parametrize("code", blocks("python"))
+def test_python_examples_run(copy, code):
+    before = files(copy)
+    run(["python3", "-c", code], copy)
+    assert {path.name for path in files(copy) - before} == set(re.findall(r'[("]([\w]+\.svgz?)"', code))
+
+
+def test_commands_are_found_at_all():
+    assert len(commands()) >= 12 and len(blocks("python")) == 1
+
+
+def test_exceptions_are_still_in_the_text():
+    lines = [line for block in blocks("sh") for line in block.splitlines()]
+    assert [start for start in NOT_RUN if not any(line.startswith(start) for line in lines)] == []
+
+
+@pytest.mark.parametrize("name", ["settings", "presets", "rooms"])
+def test_tables_are_up_to_date(name):
+    assert make_readme.with_tables(TEXT, [name]) == TEXT, RENEW
+
+
+def test_table_of_the_paper_is_as_measured():
+    """One row of it, and not to the last byte: small changes of the curves need no new table."""
+    picture, = [path for path in make_readme.CRISP if path.stem == "stegosaurus"]
+    row, = re.findall(r"^\| stegosaurus \|(.*)\|$", TEXT, flags=re.MULTILINE)
+    shown = [float(cell.replace(",", "")) for cell in row.split("|")]
+    assert shown == pytest.approx(make_readme.figures_of(picture), rel=0.1), RENEW
+    assert re.findall(r"^\| (\w+) \|", TEXT.split("<!-- ratios")[1].split("<!-- end")[0], flags=re.MULTILINE) == [
+        "picture", *(path.stem for path in make_readme.CRISP)], RENEW
+
+
+def test_claim_of_the_paper_holds():
+    row, = re.findall(r"^\| \*median\* \|(.*)\|$", TEXT, flags=re.MULTILINE)
+    bmp_svg, ddt_svgz = [float(cell.replace(",", "")) for cell in row.split("|") if cell.strip()]
+    assert bmp_svg >= 20 and ddt_svgz >= 900
+
+
+def test_links_lead_somewhere():
+    targets = re.findall(r"\]\(([^)]+)\)", TEXT)
+    headings = {re.sub(r"[^\w\- ]", "", line.lstrip("# ")).lower().replace(" ", "-")
+                for line in TEXT.splitlines() if line.startswith("#")}
+    local = [target for target in targets if not target.startswith("http")]
+    assert local
+    for target in local:
+        assert target[1:] in headings if target.startswith("#") else (ROOT / target).exists(), target
+
+
+def test_pictures_are_shown_and_small():
+    shown = set(re.findall(r"tests/images/readme/([\w-]+\.png)", TEXT))
+    present = {path.name: path for path in make_readme.PICTURES.iterdir()}
+    assert shown == set(present)
+    for path in present.values():
+        with Image.open(path) as picture:
+            picture.load()
+            assert picture.width <= 1100 and path.stat().st_size < 60_000
