@@ -36,7 +36,10 @@ def second_derivative(control: np.ndarray, segment: np.ndarray, t: np.ndarray) -
 
 def from_line(start: np.ndarray, end: np.ndarray) -> np.ndarray:
     """Lines (S, 4, 2) as cubics with evenly spaced control points."""
-    return start[:, None] + (end - start)[:, None] * (np.arange(4) / 3.0)[:, None]
+    control = start[:, None] + (end - start)[:, None] * (np.arange(4) / 3.0)[:, None]
+    # Rounding must not open what meets.
+    control[:, 3] = end
+    return control
 
 
 def reproject(control: np.ndarray, segment: np.ndarray, t: np.ndarray, points: np.ndarray) -> np.ndarray:

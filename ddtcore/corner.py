@@ -18,10 +18,10 @@ from .model import PlanarMap, Polylines
 STEP = 0.5
 """Distance of the samples along an arc, px."""
 
-ROUND = 0.4
+ROUND = 0.6
 """How much rounder than a sharp corner a corner may look, px: points are up to a pixel apart."""
 
-BACK = 1.9
+BACK = 2.7
 """Turn from which a corner that is too round for its angle may be the end of a bar, radians."""
 
 NARROW = 0.7
@@ -104,12 +104,12 @@ def find_corners(planar: PlanarMap, lines: Polylines, along: Arclength, corner_a
     arc, length = _samples(along, np.flatnonzero(planar.left != 0))
     ring = planar.rings
     coarse = _turn(along, arc, length, skip=1.3, arm=4.0)
-    # Rings begin where they are straightest, so that no corner is cut in two.
-    order = _straightest_first(arc, length, coarse, ring[arc])
-    length = length[order] + np.where(length[order] < length[order][_heads(arc)], along.total[arc], 0)
-    coarse = coarse[order]
     fine = _turn(along, arc, length, skip=0.4, arm=1.2, curved=False)
-    chosen = _choose(arc, length, _peaks(coarse, arc, 0.38, 8), _peaks(fine, arc, 0.6, 2))
+    # Rings begin where they are straightest, so that no corner is cut in two.
+    order = _straightest_first(arc, length, np.maximum(coarse, fine), ring[arc])
+    coarse, fine, length = coarse[order], fine[order], length[order]
+    length += np.where(length < length[_heads(arc)], along.total[arc], 0)
+    chosen = _choose(arc, length, _peaks(coarse, arc, 0.38, 8), _peaks(fine, arc, 0.6, 3))
     margin = np.minimum(length, along.total[arc] - length)
     chosen = chosen[ring[arc[chosen]] | (margin[chosen] > 1.5)]
     meeting = _meet(along, ring, arc[chosen], length[chosen])
@@ -119,7 +119,10 @@ def find_corners(planar: PlanarMap, lines: Polylines, along: Arclength, corner_a
     keep = (meeting.turn > np.radians(corner_angle)) & fits
     caps = _caps(meeting, (meeting.turn > BACK) & ~fits)
     found = Corners(*(np.concatenate(parts) for parts in zip((part[keep] for part in meeting.corners), *caps)))
-    return Corners(*(part[np.lexsort((found.length, found.arc))] for part in found))
+    found = Corners(*(part[np.lexsort((found.length, found.arc))] for part in found))
+    apart = np.ones(len(found.arc), bool)
+    apart[1:] = (np.diff(found.arc) != 0) | (np.hypot(*np.diff(found.point, axis=0).T) >= NARROW)
+    return Corners(*(part[apart] for part in found))
 
 
 def _samples(along: Arclength, inner: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:

@@ -160,7 +160,7 @@ def _meeting(points: np.ndarray, outwards: np.ndarray, other: np.ndarray) -> np.
         size = np.hypot(*turn.T)
         # Where doors part slowly, the coarse levels of the rank map watch the gap.
         gap = np.where(size < 0.38, 2, 0.8) / size
-    return np.where((here > 0) & (there > 0), 0.8 * here, gap)
+        return np.where((here > 0) & (there > 0), 0.8 * here, gap)
 
 
 def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -188,8 +188,15 @@ def _least(matrix: np.ndarray, norm: np.ndarray) -> np.ndarray:
     return np.linalg.eigh(half.dot(matrix).dot(half.T))[1][:, 0].dot(half)
 
 
-def refined(field: Field, samples: Samples) -> Tuple[Field, float]:
-    """The field moved until it explains the colours best, with free colours along it, and its error then."""
+def refined(field: Field, samples: Samples) -> Tuple[Field, np.ndarray]:
+    """Move a field until it explains the colours best, with free colours along it.
+
+    Returns
+    -------
+    field : Field
+    off : ndarray of shape (n, C)
+        What it leaves unexplained.
+    """
     state = _linearise(field, samples)
     damping = 1e-3
     for _ in range(_STEPS):
@@ -204,7 +211,7 @@ def refined(field: Field, samples: Samples) -> Tuple[Field, float]:
         field, state, damping = moved, ahead, damping / 10
         if done:
             break
-    return field, state.error
+    return field, state.off
 
 
 def total_error(off: np.ndarray, count: np.ndarray) -> float:
@@ -213,27 +220,28 @@ def total_error(off: np.ndarray, count: np.ndarray) -> float:
 
 
 class _State(NamedTuple):
+    off: np.ndarray      # (n, C)
     error: float
     matrix: np.ndarray   # (P, P)
     pull: np.ndarray     # (P,)
 
 
 def _linearise(field: Field, samples: Samples) -> _State:
-    """Error of a field, and the normal equations of a step that lowers it."""
+    """What a field leaves unexplained, and the normal equations of a step that lowers it."""
     place = field.places(samples.points)
     knots = np.linspace(place.min(), place.max() + 1e-9, _KNOTS)
     share = hats(place, knots)
     weighted = share * samples.count[:, None]
     bend = np.diff(np.eye(_KNOTS), 2, axis=0)
     total = samples.count.sum()
-    matrix = weighted.T.dot(share) + 1e-4 * total * bend.T.dot(bend) + 1e-9 * total * np.eye(_KNOTS)
+    matrix = weighted.T.dot(share) + total * (1e-4 * bend.T.dot(bend) + 1e-9 * np.eye(_KNOTS))
     values = np.linalg.solve(matrix, weighted.T.dot(samples.colour))
     off = samples.colour - share.dot(values)
     steep = np.diff(values, axis=0) / (knots[1] - knots[0])
-    interval = np.clip(((place - knots[0]) / (knots[1] - knots[0])).astype(np.intp), 0, _KNOTS - 2)
-    moves = steep[interval][:, :, None] * field.changes(samples.points)[:, None]
-    flat = moves.reshape(len(place), -1)
-    moves = (flat - share.dot(np.linalg.solve(matrix, weighted.T.dot(flat)))).reshape(moves.shape)
-    return _State(total_error(off, samples.count),
-                  np.einsum("n,ncp,ncq->pq", samples.count, moves, moves),
-                  np.einsum("n,ncp,nc->p", samples.count, moves, off))
+    interval = np.minimum(((place - knots[0]) / (knots[1] - knots[0])).astype(np.intp), _KNOTS - 2)
+    moves = (steep[interval][:, :, None] * field.changes(samples.points)[:, None]).reshape(len(place), -1)
+    # Of what a step changes, the free colours take up all that is the same along a line.
+    moves -= share.dot(np.linalg.solve(matrix, weighted.T.dot(moves)))
+    root = np.sqrt(samples.count)[:, None]
+    moves = (moves * root).reshape(off.size, -1)
+    return _State(off, total_error(off, samples.count), moves.T.dot(moves), moves.T.dot((off * root).ravel()))

@@ -68,7 +68,7 @@ def fit_gradient(samples: Samples, reach: np.ndarray) -> Optional[Gradient]:
         field = first_field(known, region.local, kind, elliptic)
         gradient = None if field is None else _fitted(field, region, least)
         if gradient is not None:
-            cost = _error(cells, _like(cells, gradient)) + price(gradient)
+            cost = _error(cells, colours_at(gradient, cells.points)[:, :cells.colour.shape[1]]) + price(gradient)
             if cost < least:
                 best, least = gradient, cost
     return best
@@ -96,26 +96,16 @@ class _Region(NamedTuple):
 
 def _fitted(field: Field, region: _Region, least: float) -> Optional[Gradient]:
     """The best gradient like a given field; None if even free colours along it would cost more than `least`."""
-    field, error = refined(field, region.local)
-    if error + PRICE * BYTES >= least:
+    samples = region.local
+    field, off = refined(field, samples)
+    if total_error(off, samples.count) + PRICE * BYTES >= least:
         return None
-    gradient = _with_stops(field, region, region.local)
-    trust = _trust(region.cells, gradient)
-    if np.average(trust < 0.5, weights=region.local.count) <= _STRAY:
-        return gradient
-    trusted = region.local._replace(count=region.local.count * trust)
-    return _with_stops(refined(field, trusted)[0], region, trusted)
-
-
-def _like(samples: Samples, gradient: Gradient) -> np.ndarray:
-    """The gradient's colours instead of the samples'."""
-    return colours_at(gradient, samples.points)[:, :samples.colour.shape[1]]
-
-
-def _trust(samples: Samples, gradient: Gradient) -> np.ndarray:
-    """Small where the colour is far from the gradient, compared with most of the region."""
-    off = ((samples.colour - _like(samples, gradient)) ** 2).sum(axis=1)
-    return 1 / (1 + off / (9 * weighted_quantile(off, samples.count, 0.7) + 9)) ** 2
+    square = (off ** 2).sum(axis=1)
+    trust = 1 / (1 + square / (9 * weighted_quantile(square, samples.count, 0.7) + 9)) ** 2
+    if np.average(trust < 0.5, weights=samples.count) > _STRAY:
+        samples = samples._replace(count=samples.count * trust)
+        field, _ = refined(field, samples)
+    return _with_stops(field, region, samples)
 
 
 def price(gradient: Gradient) -> float:

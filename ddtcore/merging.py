@@ -7,7 +7,7 @@ Both work on the labels, before any boundary exists, so they cannot leave gaps.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Tuple
+from typing import Callable, Optional, Tuple
 
 import numpy as np
 
@@ -65,17 +65,31 @@ def _ward_cost(a: np.ndarray, wa: np.ndarray, b: np.ndarray, wb: np.ndarray) -> 
     return square * (wa[:, None] * wb / (wa[:, None] + wb))
 
 
-def merge_specks(labels: Labels, area: float) -> Labels:
-    """Give connected regions below an area (px²) the label of the neighbour with the longest shared border."""
+def merge_specks(labels: Labels, area: float, spare: Optional[Callable] = None) -> Labels:
+    """Give small connected regions the label of the neighbour with the longest shared border.
+
+    Parameters
+    ----------
+    area : float
+        Regions with fewer px² are small.
+    spare : callable, optional
+        ``spare(mask, index)`` tells which of the pixels set in a (H, W) mask are too unlike the
+        labels `index` (n,) they would get; regions with such, inside one other region, stay.
+    """
     index = labels.index
     while True:
         region = label_components(index, 8)
         size = np.bincount(region.ravel())
-        if not (size < area).any():
+        small = size < area
+        if not small.any():
             break
         into = _best_neighbours(region, size, area)
         first = np.zeros(size.size, index.dtype)
         first[region.ravel()] = index.ravel()
+        if spare is not None:
+            mask = (small & _inside_one(region))[region]
+            kept = region[mask][spare(mask, first[into][region[mask]])]
+            into[kept] = kept
         merged = first[into][region]
         if np.array_equal(merged, index):
             break
@@ -83,13 +97,26 @@ def merge_specks(labels: Labels, area: float) -> Labels:
     return drop_unused(replace(labels, index=index, thin=labels.thin & (index == labels.index)))
 
 
-def _best_neighbours(region: np.ndarray, size: np.ndarray, area: float) -> np.ndarray:
-    """For each small region the larger neighbour with the longest shared border, else itself, chains followed."""
+def _borders(region: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Regions on both sides of every pixel edge between two regions, each edge seen from both sides, int64."""
     pairs = []
     for a, b in ((region[:, 1:], region[:, :-1]), (region[1:], region[:-1])):
         differ = a != b
         pairs += [(a[differ], b[differ]), (b[differ], a[differ])]
-    small, other = (np.concatenate(side).astype(np.int64) for side in zip(*pairs))
+    one, other = (np.concatenate(side).astype(np.int64) for side in zip(*pairs))
+    return one, other
+
+
+def _inside_one(region: np.ndarray) -> np.ndarray:
+    """Which regions border on one other only, bool (R,)."""
+    one, other = _borders(region)
+    count = int(region.max()) + 1
+    return np.bincount(np.unique(one * count + other) // count, minlength=count) == 1
+
+
+def _best_neighbours(region: np.ndarray, size: np.ndarray, area: float) -> np.ndarray:
+    """For each small region the larger neighbour with the longest shared border, else itself, chains followed."""
+    small, other = _borders(region)
     rank = np.empty(size.size, np.int64)
     rank[np.argsort(size, kind="stable")] = np.arange(size.size)
     use = (size[small] < area) & (rank[other] > rank[small])

@@ -90,14 +90,12 @@ def _by_coverage(image: np.ndarray, labels: Labels, mesh: Mesh,
     ends = _junction_means(mesh, planar, raw)
     hard, hard_points, hard_arc = _staircases(planar, arc, edge, shares)
     inner = np.flatnonzero((planar.left[arc] != 0) & ~hard[arc])
-    inner = inner[_first_in_column(arc[inner], raw[inner], _tangents(planar, arc, raw)[inner])]
+    inner = inner[_first_in_column(planar.rings, arc[inner], raw[inner], _tangents(planar, arc, raw)[inner])]
     tangent = _tangents(planar, arc, raw)[inner]
     position, sure = _column_sums(image, raw[inner], tangent, left[inner], right[inner])
-    # Beside positions that are sure, a doubtful one only adds noise.
-    near = np.zeros(len(inner), bool)
-    near[1:] |= sure[:-1]
-    near[:-1] |= sure[1:]
-    keep = sure | ~near
+    # Between two positions that are sure, a doubtful one only adds noise.
+    keep = np.ones(len(inner), bool)
+    keep[1:-1] = sure[1:-1] | ~(sure[:-2] & sure[2:])
     weight = np.where(sure, 1.0, 0.5)[keep]
     return (np.concatenate([arc[inner][keep], hard_arc]), np.concatenate([position[keep], hard_points]),
             np.concatenate([weight, np.ones(len(hard_arc))]), ends, np.where(hard, SLACK, 0.0))
@@ -135,13 +133,17 @@ def _half_way(edge: np.ndarray, shares: List[np.ndarray], framed: np.ndarray) ->
     return edge[:, 0] + half[:, None] * (edge[:, 1] - edge[:, 0])
 
 
-def _first_in_column(arc: np.ndarray, raw: np.ndarray, tangent: np.ndarray) -> np.ndarray:
+def _first_in_column(ring: np.ndarray, arc: np.ndarray, raw: np.ndarray, tangent: np.ndarray) -> np.ndarray:
     """Crossings that begin a new pixel column (or row): steps and diagonals repeat the one before."""
     cell = np.floor(raw)
     upright = np.abs(tangent[:, 1]) > np.abs(tangent[:, 0])
     column = np.where(upright, -1 - cell[:, 1], cell[:, 0])
     fresh = np.ones(len(arc), bool)
     fresh[1:] = (arc[1:] != arc[:-1]) | (column[1:] != column[:-1])
+    # A ring can end in the column it began in.
+    last = np.searchsorted(arc, arc, side="right") - 1
+    head = fresh & ring[arc] & (np.searchsorted(arc, arc) == np.arange(len(arc))) & (last > np.arange(len(arc)))
+    fresh[head] = column[last[head]] != column[head]
     return fresh
 
 

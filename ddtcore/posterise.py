@@ -10,9 +10,15 @@ from __future__ import annotations
 import numpy as np
 
 from .canvas import Canvas, mean_colours, planes, premultiply, unpack
-from .merging import drop_unused, ward_groups
+from .merging import merge_specks, ward_groups
 from .model import Labels
 from .ramps import is_even
+
+LEAST_AREA = 8.0
+"""Smallest region of a posterised picture, px²."""
+
+MOST_REGIONS = 25_000
+"""A posterised picture has fewer regions than this, however large it is."""
 
 _ROUGH = 0.55
 _LINES = 128
@@ -45,7 +51,8 @@ def posterise(canvas: Canvas, most: int) -> Labels:
             index = index.reshape(key.shape).astype(np.int32)
             return Labels(index, unpack(own).astype(np.float64), np.zeros(index.shape, bool))
     index = _nearest_colours(canvas, most)
-    return drop_unused(Labels(index, mean_colours(canvas, index), np.zeros(index.shape, bool)))
+    labels = Labels(index, mean_colours(canvas, index), np.zeros(index.shape, bool))
+    return merge_specks(labels, max(LEAST_AREA, key.size / MOST_REGIONS))
 
 
 def _nearest_colours(canvas: Canvas, most: int) -> np.ndarray:

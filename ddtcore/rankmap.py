@@ -80,7 +80,8 @@ class RankMap:
 
     def __init__(self, starts: np.ndarray, points: np.ndarray, planar: PlanarMap, cover: np.ndarray) -> None:
         height, width = planar.pixel_faces.shape
-        cells = _fill(starts, points * FINE, cover[planar.left], cover[planar.right], height * FINE, width * FINE)
+        cells = _fill(starts, points * FINE, cover[planar.left], cover[planar.right],
+                      height * FINE, width * FINE)
         rows = np.minimum(cells[::FINE], cells[1::FINE])
         pixel = np.minimum(rows[:, ::FINE], rows[:, 1::FINE])
         near = _spread(pixel)

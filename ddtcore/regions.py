@@ -21,8 +21,14 @@ from .options import TraceOptions
 from .posterise import is_noisy, posterise
 from .threshold import label_steps
 
-MANY = 64
+MANY = 40
 """Most colours for a picture without flat ones."""
+DITHER = 0.01
+"""Share of specks among the pixels that are no plateaus, from which a picture counts as dithered."""
+
+CONTRAST = 48.0
+"""A speck that differs by more than this from its surroundings is no ripple, levels."""
+
 
 def label_pixels(image: np.ndarray, options: TraceOptions) -> Labels:
     """Decide which flat colour each pixel of a picture belongs to.
@@ -80,9 +86,16 @@ def label_flat_art(canvas: Canvas) -> Labels:
     thin, specks = _label_unknown(canvas, labels, ridges, keys, colours, noise)
     result = Labels(index=np.ascontiguousarray(canvas.bare(labels)), palette=colours,
                     thin=np.ascontiguousarray(canvas.bare(thin)), ramp=np.arange(len(colours)) >= keys.size)
-    if rippled or specks > 25 + 0.01 * cells.size:
+    if specks > DITHER * cells.size + 25:
         return merging.merge_specks(result, SPECK)
-    return merging.drop_unused(result)
+    if not rippled:
+        return merging.drop_unused(result)
+
+    def contrasts(mask: np.ndarray, index: np.ndarray) -> np.ndarray:
+        off = canvas.colours(canvas.cells(mask)) - canvas.mixing(colours)[:, index]
+        return np.abs(off).max(axis=0) > max(CONTRAST, 5 * noise)
+
+    return merging.merge_specks(result, SPECK, contrasts)
 
 
 def _label_unknown(canvas: Canvas, labels: np.ndarray, ridges: strokes.Ridges, keys: np.ndarray,

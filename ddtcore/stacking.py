@@ -10,8 +10,7 @@ through holes that are filled later anyway, and for a few pixels elsewhere.
 
 from __future__ import annotations
 
-from collections import Counter
-from typing import List, Sequence, Tuple
+from typing import Dict, List, Sequence, Tuple
 
 import numpy as np
 
@@ -29,7 +28,8 @@ _STEP = 1.5
 """Distance between samples of the arcs, px."""
 
 _UNITS = 20
-"""Units per pixel of documents: rounding to 1/20 px is lost in the tolerance, and shorter than digits allow."""
+"""Units per pixel of documents: rounding to them is lost in the tolerance, and they are
+written shorter than digits after the point."""
 
 
 def stack(image: np.ndarray, labels: Labels, planar: PlanarMap, lines: Polylines, curves: Curves,
@@ -85,11 +85,11 @@ def _lines(begin: np.ndarray, end: np.ndarray) -> np.ndarray:
 
 def _shapes(order: Order, paints: Sequence[Paint], outlines: Sequence[Sequence[Loop]]) -> Tuple[Shape, ...]:
     """Shapes in painting order, named by their colour and a number within that colour."""
-    used: Counter = Counter()
+    used: Dict[Tuple[int, int, int], int] = {}
     shapes = []
     for face, area in zip(order.faces.tolist(), order.key.tolist()):
         paint = paints[face]
-        used[paint.rgb] += 1
+        used[paint.rgb] = used.get(paint.rgb, 0) + 1
         name = "#{:02x}{:02x}{:02x} {}".format(*paint.rgb, used[paint.rgb])
         shapes.append(Shape(name, paint.rgb, paint.opacity, tuple(outlines[face]), area, paint.gradient))
     return tuple(shapes)

@@ -18,7 +18,7 @@ Points are complex numbers here, for a turn is then a multiplication.
 
 from __future__ import annotations
 
-from typing import NamedTuple, Tuple
+from typing import List, NamedTuple, Tuple
 
 import numpy as np
 
@@ -72,10 +72,11 @@ def hidden_lines(hidden: Hidden, ranks: RankMap) -> Tuple[np.ndarray, np.ndarray
     if not len(hidden.rank):
         return np.zeros(1, np.int64), np.zeros((0, 2))
     gates = _gates(hidden, ranks)
-    owner, corners = [], []
+    owners: List[np.ndarray] = []
+    corners: List[np.ndarray] = []
     for first in range(0, len(gates.origin), _BATCH):
-        _grow(gates, np.arange(first, min(first + _BATCH, len(gates.origin))), owner, corners)
-    owner = np.concatenate(owner)
+        _grow(gates, np.arange(first, min(first + _BATCH, len(gates.origin))), owners, corners)
+    owner = np.concatenate(owners)
     points = np.concatenate(corners)[np.argsort(owner, kind="stable")]
     return begins(np.bincount(owner)), np.stack([points.real, points.imag], axis=1)
 
@@ -90,10 +91,11 @@ def _gates(hidden: Hidden, ranks: RankMap) -> _Gates:
     low[last] = high[last] = np.where(hidden.closed, origin, point[last])
     later = np.ones(len(point), bool)
     later[first] = False
-    return _Gates(low[later], high[later], 1j * outwards[later], hidden.starts - np.arange(len(hidden.starts)), origin)
+    starts = hidden.starts - np.arange(len(hidden.starts))
+    return _Gates(low[later], high[later], 1j * outwards[later], starts, origin)
 
 
-def _grow(gates: _Gates, owner: np.ndarray, owners: list, corners: list) -> None:
+def _grow(gates: _Gates, owner: np.ndarray, owners: List[np.ndarray], corners: List[np.ndarray]) -> None:
     """Append the corners of some stretches' polylines, and whose they are, in order."""
     following, end = gates.starts[owner], gates.starts[owner + 1]
     candidates = np.repeat(gates.origin[owner, None], _CANDIDATES, axis=1)

@@ -11,7 +11,6 @@ from __future__ import annotations
 import ast
 import io
 import re
-import sys
 from dataclasses import fields, replace
 from pathlib import Path
 from statistics import median
@@ -19,14 +18,12 @@ from statistics import median
 import resvg_py
 from PIL import Image
 
+from ddtcore import TraceOptions, load_image, trace
+from ddtcore.options import PRESETS
+from ddtcore.report import report
+from ddtcore.svg import encoded, group
+
 ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT))
-
-from ddtcore import TraceOptions, load_image, trace  # noqa: E402
-from ddtcore.options import PRESETS  # noqa: E402
-from ddtcore.report import report  # noqa: E402
-from ddtcore.svg import encoded, group  # noqa: E402
-
 README = ROOT / "README.md"
 IMAGES = ROOT / "tests" / "images"
 PICTURES = IMAGES / "readme"
@@ -42,10 +39,10 @@ ROOMS = {
     "picture in": "raster",
     "pixels to regions": "regions canvas palette noise mixes sides strokes ramps posterise threshold merging"
                          " components",
-    "mesh": "triangulation quads cost flips",
-    "outlines": "border outline position coverage ribbon staircase",
-    "curves": "fit runs corner cubic quadratic polish field bezier",
-    "paint": "paint gradient stops",
+    "mesh": "triangulation quads cost ribbon flips",
+    "outlines": "border outline position flatten staircase",
+    "curves": "fit runs corner cubic polish coverage quadratic bezier",
+    "paint": "paint gradient field stops",
     "drawing out": "stacking order loops doors rankmap underlap shortcut svg pathdata",
 }
 """Modules of ddtcore in the order of reading; new ones appear at the end until they are named here."""
@@ -122,6 +119,12 @@ def make_pictures():
     save(beside([enlarge(dinosaur, whole, 2), paint(group(drawing), whole, 2)],
                 [enlarge(dinosaur, detail, 8), paint(group(drawing), detail, 8)]), "before-after")
 
+    details = [(IMAGES / "doctor.png", (16, 2, 51, 51), 6),
+               (IMAGES / "sunglasses.png", (150, 4, 102, 102), 3),
+               (IMAGES / "crisp" / "arms.png", (376, 443, 102, 102), 3)]
+    save(beside([enlarge(*detail) for detail in details],
+                [paint(group(traced(picture)), box, zoom) for picture, box, zoom in details]), "details")
+
     zoom = 8
     for result in ("triangles", "border"):
         save(paint(group(traced(dinosaur, result=result, flips="everywhere")), detail, zoom), result)
@@ -144,7 +147,7 @@ def table(head, rows, numbers=False):
 
 
 def figures_of(picture):
-    """A row of `ratios_table`: sizes in kilobytes with the preset `paper`, the two ratios, the default's size."""
+    """A row of `ratios_table`: kilobytes and ratios with the preset `paper`, kilobytes by default."""
     image = load_image(picture)
     paper = report(image, TraceOptions.preset("paper"))
     default = sum(map(len, encoded(trace(image))))
@@ -156,13 +159,15 @@ def ratios_table():
     """The paper's Table 1: our pictures with the preset `paper`, then the paper's own."""
     digits = (0, 0, 1, 1, 1, 0, 1)
     figures = {picture.stem: figures_of(picture) for picture in CRISP}
-    rows = [[name, *(f"{value:,.{n}f}" for value, n in zip(row, digits))] for name, row in figures.items()]
+    rows = [[name, *(f"{value:,.{n}f}" for value, n in zip(row, digits))]
+            for name, row in figures.items()]
     middle = [median(row[k] for row in figures.values()) for k in (4, 5)]
     rows.append(["*median*", "", "", "", "", f"{middle[0]:.1f}", f"{middle[1]:,.0f}", ""])
     for name, (bmp, ddt, svg, svgz) in PAPER_ROWS.items():
         rows.append([f"{name} (paper)", f"{bmp:,}", f"{ddt:,}", svg, svgz,
                      f"{bmp / svg:.1f}", f"{ddt / svgz:,.0f}", ""])
-    head = ["picture", "BMP", "DDT SVG", "SVG", "SVGZ", "BMP / SVG", "DDT SVG / SVGZ", "SVG, default settings"]
+    head = ["picture", "BMP", "DDT SVG", "SVG", "SVGZ", "BMP / SVG", "DDT SVG / SVGZ",
+            "SVG, default settings"]
     return table(head, rows, numbers=True)
 
 
@@ -181,8 +186,10 @@ def settings_table():
 
 def presets_table():
     """The settings of each preset that differ from the defaults."""
-    rows = [[f"`{name}`", ", ".join(f"`--{key} {value}`" for key, value in changes.items()) or "the defaults"]
-            for name, changes in PRESETS.items()]
+    rows = []
+    for name, changes in PRESETS.items():
+        flags = ", ".join(f"`--{key} {value}`" for key, value in changes.items())
+        rows.append([f"`{name}`", flags or "the defaults"])
     return table(["preset", "what it sets"], rows)
 
 
@@ -198,12 +205,13 @@ def rooms_table():
         present = [name for name in names if name in modules]
         if present:
             lines.append(f"\n{title}")
-            lines += [f"  {_file(modules[name]):<18}{_first_line(modules[name])}" for name in present]
+            lines += [f"  {_shown(modules[name]):<18}{_first_line(modules[name])}" for name in present]
     return "```text" + "\n".join(lines) + "\n```"
 
 
-def _file(path):
-    return path.parent.name + "/" if path.name == "__init__.py" and path.parent.name != "ddtcore" else path.name
+def _shown(path):
+    is_folder = path.name == "__init__.py" and path.parent.name != "ddtcore"
+    return f"{path.parent.name}/" if is_folder else path.name
 
 
 def _first_line(path):
@@ -217,10 +225,11 @@ TABLES = {"ratios": ratios_table, "settings": settings_table, "presets": presets
 def with_tables(text, names=tuple(TABLES)):
     """The README with some of its tables made anew."""
     for name in names:
-        mark = rf"(<!-- {name}: [^>]*-->\n).*?(\n<!-- end -->)"
-        text, found = re.subn(mark, lambda match: match[1] + TABLES[name]() + match[2], text, flags=re.DOTALL)
-        if found != 1:
-            raise ValueError(f"README.md must have one place for the table {name!r}, not {found}")
+        parts = re.split(rf"(<!-- {name}: [^>]*-->\n).*?(<!-- end -->)", text, flags=re.DOTALL)
+        if len(parts) != 4:
+            raise ValueError(f"README.md must have one place for the table {name!r}")
+        before, begin, end, after = parts
+        text = f"{before}{begin}{TABLES[name]()}\n{end}{after}"
     return text
 
 

@@ -37,6 +37,7 @@ def render(drawing, zoom=1.0, page=None, antialias=True):
     """RGBA as int (h, w, 4), over a page of one colour if that is given."""
     width, height = round(drawing.width * zoom), round(drawing.height * zoom)
     svg = replace(drawing, decimals=4, scale=0).to_svg()
-    png = resvg_py.svg_to_bytes(svg_string=svg, width=width, height=height, background=page, skip_system_fonts=True,
+    png = resvg_py.svg_to_bytes(svg_string=svg, width=width, height=height, background=page,
+                                skip_system_fonts=True,
                                 shape_rendering="geometric_precision" if antialias else "crisp_edges")
     return np.asarray(Image.open(io.BytesIO(bytes(png))).convert("RGBA")).astype(int)

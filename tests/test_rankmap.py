@@ -64,10 +64,12 @@ def test_where_arcs_cross_the_earlier_face_is_seen():
 def test_samples_lie_close_together_on_the_curves_and_keep_their_joints():
     control = np.array([[[0, 0], [0, 0], [9, 0], [9, 0]], [[9, 0], [14, 0], [14, 0], [14, 5]],
                         [[0, 9], [3, 9], [6, 9], [9, 9]]], float)
-    starts, points = sample_arcs(Curves(np.array([0, 2, 3]), control, np.array([LINE, QUADRATIC, CUBIC])), 1.5)
+    curves = Curves(np.array([0, 2, 3]), control, np.array([LINE, QUADRATIC, CUBIC]))
+    starts, points = sample_arcs(curves, 1.5)
     first, second = points[:starts[1]], points[starts[1]:]
     assert np.hypot(*np.diff(first, axis=0).T).max() <= 1.6
-    assert (first[0] == [0, 0]).all() and (first[-1] == [14, 5]).all() and (first == [9, 0]).all(axis=1).sum() == 1
+    assert (first[0] == [0, 0]).all() and (first[-1] == [14, 5]).all()
+    assert (first == [9, 0]).all(axis=1).sum() == 1
     assert second == pytest.approx(np.stack([np.linspace(0, 9, 7), np.full(7, 9)], axis=1))
 
 

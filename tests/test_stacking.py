@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from painted import colours_at, render
+from painted import colours_at, render, winding
 from planar import palette_labels, planar_map
 
 from ddtcore.model import Curves, Labels
@@ -31,7 +31,7 @@ def stacked(index, palette=None, **settings):
     index = np.asarray(index, np.int64)
     labels = palette_labels(index, palette)
     planar, lines, curves = known_map(index.shape, index.tobytes())
-    image = np.zeros(labels.index.shape + (4,), np.uint8)
+    image = np.zeros((*index.shape, 4), np.uint8)
     return labels, stack(image, labels, planar, lines, curves, TraceOptions(**settings))
 
 
@@ -66,8 +66,8 @@ def disc(x, y, radius):
 
 EYE = drawn(PAGE, disc(24, 20, 16), disc(24, 20, 12), disc(24, 20, 6))
 EYE[EYE == 3] = 1
-VORONOI = np.where(disc(24, 20, 18), 1 + np.argmin(
-    [np.hypot(X - x, Y - y) for x, y in ((14, 12), (30, 9), (24, 22), (36, 24), (15, 29), (29, 33))], axis=0), 0)
+SITES = ((14, 12), (30, 9), (24, 22), (36, 24), (15, 29), (29, 33))
+VORONOI = np.where(disc(24, 20, 18), 1 + np.argmin([np.hypot(X - x, Y - y) for x, y in SITES], axis=0), 0)
 
 COUNTEREXAMPLES = {
     "black ring, white eye, black pupil": EYE,
@@ -79,9 +79,10 @@ COUNTEREXAMPLES = {
     "bar behind post": drawn(PAGE, (Y > 14) & (Y < 26) & (X > 3) & (X < 45), (X > 20) & (X < 26)),
     "ringed by two that come later": drawn(PAGE, disc(24, 20, 14), disc(24, 20, 11) & (X < 24),
                                            disc(24, 20, 11) & (X >= 24), disc(24, 20, 10)),
-    "ring in ring in ring": drawn(PAGE, disc(24, 20, 19), disc(24, 20, 16), disc(24, 20, 13), disc(24, 20, 10)),
+    "ring in ring in ring": drawn(PAGE, *(disc(24, 20, radius) for radius in (19, 16, 13, 10))),
     "strip of one pixel between earlier ones": drawn(PAGE, X > 23, (X > 23) & (X < 24)),
-    "web in a hole": drawn(PAGE, disc(24, 20, 18), disc(24, 20, 12), disc(24, 20, 12) & (X > 24), disc(28, 20, 5)),
+    "web in a hole": drawn(PAGE, disc(24, 20, 18), disc(24, 20, 12), disc(24, 20, 12) & (X > 24),
+                           disc(28, 20, 5)),
     "touching at corners": drawn(PAGE, ((X // 8 + Y // 8) % 2 == 0)),
     "many neighbours": VORONOI,
 }
@@ -95,7 +96,8 @@ def test_counterexamples_show_every_pixel(name, curves):
 
 
 @pytest.mark.parametrize("nothing", range(4))
-@pytest.mark.parametrize("name", ["ring in ring in ring", "web in a hole", "black ring, white eye, black pupil"])
+@pytest.mark.parametrize("name", ["ring in ring in ring", "web in a hole",
+                                  "black ring, white eye, black pupil"])
 def test_transparent_holes_stay_open(name, nothing):
     index = COUNTEREXAMPLES[name]
     palette = palette_labels(index).palette
@@ -113,7 +115,8 @@ def test_areas_do_not_increase_and_every_face_has_its_own_named_shape(name):
     assert len(drawing.shapes) == len(faces) - 1
     names = [shape.name for shape in drawing.shapes]
     assert len(set(names)) == len(names)
-    assert all(name.startswith("#%02x%02x%02x " % shape.rgb) for name, shape in zip(names, drawing.shapes))
+    for name, shape in zip(names, drawing.shapes):
+        assert name.startswith("#{:02x}{:02x}{:02x} ".format(*shape.rgb))
 
 
 LABEL_MAPS = st.tuples(st.integers(1, 11), st.integers(1, 11)).flatmap(
@@ -147,9 +150,9 @@ def test_cutout_shapes_have_the_areas_of_their_faces_and_share_out_the_picture(n
     points = np.concatenate([loop.control[:, (0, 3)] for shape in drawing.shapes for loop in shape.loops])
     cross = points[:, 0, 0] * points[:, 1, 1] - points[:, 1, 0] * points[:, 0, 1]
     assert cross.sum() / 2 == pytest.approx(labels.index.size)
-    covering = sum((colours_at(replace(drawing, shapes=(shape,)), centres(labels.index.shape))[:, 3] > 0).astype(int)
-                   for shape in drawing.shapes)
-    assert (covering == 1).all()
+    at = centres(labels.index.shape)
+    covering = [winding(shape.loops, at) != 0 for shape in drawing.shapes]
+    assert (np.sum(covering, axis=0) == 1).all()
 
 
 @pytest.mark.parametrize("way", ["stacked", "cutout"])
@@ -165,7 +168,8 @@ def interior(index, zoom, margin):
     near = index == 0
     for _ in range(margin):
         near = np.pad(near, 1, mode="edge")
-        near = np.max([near[a:a + index.shape[0], b:b + index.shape[1]] for a in range(3) for b in range(3)], axis=0)
+        near = near[:-2] | near[1:-1] | near[2:]
+        near = near[:, :-2] | near[:, 1:-1] | near[:, 2:]
     height, width = (round(size * zoom) for size in index.shape)
     row = ((np.arange(height) + 0.5) * index.shape[0] / height).astype(int)
     col = ((np.arange(width) + 0.5) * index.shape[1] / width).astype(int)
@@ -179,7 +183,8 @@ def leak(drawing, zoom, inside):
     return int(np.abs(magenta - green)[inside].max())
 
 
-SEAMS = ["many neighbours", "web in a hole", "ring in ring in ring", "thin net over its cells", "bar behind post"]
+SEAMS = ["many neighbours", "web in a hole", "ring in ring in ring", "thin net over its cells",
+         "bar behind post"]
 
 
 @pytest.mark.parametrize("zoom", ZOOMS)
@@ -233,12 +238,12 @@ def test_a_translucent_shape_continues_under_opaque_ones_but_none_under_it():
     index = drawn(PAGE, disc(24, 20, 16), disc(24, 20, 16) & (X > 24))
     palette = palette_labels(index).palette
     palette[0, 3], palette[1, 3] = 0, 100
-    labels, drawing = stacked(index, palette)
+    _, drawing = stacked(index, palette)
     assert [round(255 * shape.opacity) for shape in drawing.shapes] == [100, 255]
     assert colours_at(drawing, centres(index.shape, 3)) == pytest.approx(
         colours_at(stacked(index, palette, stacking="cutout")[1], centres(index.shape, 3)))
-    alone = [colours_at(replace(drawing, shapes=(shape,)), centres(index.shape))[:, 3] > 0 for shape in drawing.shapes]
-    assert (alone[0] & alone[1]).any()
+    glass, solid = (winding(shape.loops, centres(index.shape)) != 0 for shape in drawing.shapes)
+    assert (glass & solid).any()
 
 
 def test_the_back_most_opaque_shape_is_the_whole_page():
@@ -248,6 +253,15 @@ def test_the_back_most_opaque_shape_is_the_whole_page():
     palette = palette_labels(EYE).palette
     palette[2, 3] = 0
     assert len(stacked(EYE, palette)[1].shapes[0].loops) == 2
+
+
+def test_outer_loops_come_first_and_run_clockwise():
+    _, drawing = stacked(COUNTEREXAMPLES["ring in ring in ring"], stacking="cutout")
+    for shape in drawing.shapes:
+        begin, end = (np.concatenate([loop.control[:, k] for loop in shape.loops]) for k in (0, 3))
+        turned = np.add.reduceat(begin[:, 0] * end[:, 1] - end[:, 0] * begin[:, 1],
+                                 np.cumsum([0] + [len(loop.degree) for loop in shape.loops[:-1]]))
+        assert turned[0] > 0 and (turned[1:] < 0).all()
 
 
 def test_holes_that_are_painted_over_are_filled():
@@ -271,12 +285,13 @@ def test_faces_are_sorted_by_what_they_enclose_before_simplification():
     index = drawn(PAGE, disc(24, 20, 15), disc(24, 20, 12))
     planar, lines, curves = planar_map(index)
     inner = planar.pixel_faces[20, 24]
-    ring = int(np.flatnonzero((planar.left * planar.right > 0) & (planar.left != inner) & (planar.right != inner))[0])
+    sides = np.stack([planar.left, planar.right])
+    ring = int(np.flatnonzero(((sides > 0) & (sides != inner)).all(axis=0))[0])
     shrunk = curves.control.copy()
     part = slice(curves.starts[ring], curves.starts[ring + 1])
     shrunk[part] = (shrunk[part] - [24, 20]) * 0.5 + [24, 20]
     labels = palette_labels(index)
-    drawing = stack(np.zeros(index.shape + (4,), np.uint8), labels, planar, lines,
+    drawing = stack(np.zeros((*index.shape, 4), np.uint8), labels, planar, lines,
                     Curves(curves.starts, shrunk, curves.degree), TraceOptions(curves="quadratic"))
     middle = colours_at(drawing, np.array([[24.01, 20.02]]))[0]
     assert middle == pytest.approx([*labels.palette[2, :3], 255])
@@ -289,7 +304,7 @@ def test_tiny_pictures(index):
 
 
 def test_an_empty_picture_has_no_shapes():
-    labels, drawing = stacked(np.zeros((3, 4), int), [[9, 9, 9, 0]])
+    _, drawing = stacked(np.zeros((3, 4), int), [[9, 9, 9, 0]])
     assert drawing.shapes == () and (drawing.width, drawing.height) == (4, 3)
 
 

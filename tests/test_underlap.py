@@ -109,8 +109,8 @@ def test_nothing_hidden_gives_nothing():
 
 def test_several_stretches_keep_apart():
     a, b = stretch([(10, 20), (40, 20)]), stretch(circle(20, 1), closed=True)
-    both = Hidden(np.array([0, len(a.points), len(a.points) + len(b.points)]), np.concatenate([a.points, b.points]),
-                  np.array([3, 3], np.int32), np.array([False, True]))
+    both = Hidden(np.array([0, len(a.points), len(a.points) + len(b.points)]),
+                  np.concatenate([a.points, b.points]), np.array([3, 3], np.int32), np.array([False, True]))
     starts, points = hidden_lines(both, Painted(everything_later))
     alone = [hidden_lines(one, Painted(everything_later))[1] for one in (a, b)]
     assert np.array_equal(points[:starts[1]], alone[0])
@@ -132,5 +132,6 @@ def test_shortcuts_respect_what_is_painted_earlier():
 
 
 def test_shortcuts_never_cut_the_shape():
-    _, points = take_shortcuts(np.array([0, 5]), NOTCH * [1, -1] + [0, 60], np.array([3]), Painted(everything_later))
+    bump = NOTCH * [1, -1] + [0, 60]
+    _, points = take_shortcuts(np.array([0, 5]), bump, np.array([3]), Painted(everything_later))
     assert [12, 32] in points.tolist()

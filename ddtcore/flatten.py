@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The picture as it would be if its gradients were flat.
+
+Where outlines run depends on how much of each pixel either side covers, and that on
+the colours of both sides *there*.  The stages that measure it know one colour for each
+label; so each pixel gets the same mix of the mean colours of its labels as it is of
+their colours at its place.
+"""
+
+from __future__ import annotations
+
+from typing import Tuple
+
+import numpy as np
+
+from .canvas import premultiply
+from .model import Labels
+from .paint import local_colours
+
+_REACH = 2
+"""How far from an outline pixels may be mixed, px."""
+
+_SAME = 8.0
+"""Sides nearer to each other than this in colour can't be told apart, levels."""
+
+_FOREIGN = 12.0
+"""A pixel that is farther than this from all mixes keeps the difference, levels."""
+
+
+def flatten(image: np.ndarray, labels: Labels) -> np.ndarray:
+    """Replace each gradient by its mean colour.
+
+    Parameters
+    ----------
+    image : ndarray of shape (H, W, 4) and dtype uint8
+    labels : Labels
+        With `gradients`.
+
+    Returns
+    -------
+    ndarray of shape (H, W, 4) and dtype uint8
+        `image` itself where there are no gradients.
+    """
+    soft = np.array([gradient is not None for gradient in labels.gradients or ()], bool)
+    if not soft.any():
+        return image
+    mean = premultiply(labels.palette)
+    out = image.copy()
+    inner = soft[labels.index]
+    out[inner] = _straight(mean)[labels.index[inner]]
+    cells, other = _pairs(labels.index, soft)
+    own = labels.index.ravel()[cells]
+    row, col = np.divmod(cells, labels.index.shape[1])
+    points = np.stack([col + 0.5, row + 0.5], axis=1)
+    colour = premultiply(image.reshape(-1, 4)[cells].astype(np.float64))
+    here, there = (local_colours(labels, number, points) for number in (own, other))
+    share, off = _mix(colour, here, there)
+    rest = np.sqrt((off ** 2).sum(axis=1))
+    off[rest < _FOREIGN] = 0
+    flat = mean[other] + share[:, None] * (mean[own] - mean[other]) + off
+    # Of several labels nearby, the one whose mix leaves the least.
+    order = np.lexsort((rest, cells))
+    best = order[np.append(True, np.diff(cells[order]) > 0)[:len(order)]]
+    out.reshape(-1, 4)[cells[best]] = _straight(flat[best])
+    return out
+
+
+def _pairs(index: np.ndarray, soft: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Pixels, and other labels near each; one of the two labels is soft."""
+    height, width = index.shape
+    number = np.arange(index.size).reshape(index.shape)
+    found = []
+    for down in range(_REACH + 1):
+        for across in range(-_REACH if down else 1, _REACH + 1):
+            here = slice(0, max(height - down, 0)), slice(max(-across, 0), width - max(across, 0))
+            there = slice(down, height), slice(max(across, 0), width - max(-across, 0))
+            mixed = (index[here] != index[there]) & (soft[index[here]] | soft[index[there]])
+            for own, other in ((here, there), (there, here)):
+                found.append(number[own][mixed] * len(soft) + index[other][mixed])
+    return np.divmod(np.unique(np.concatenate(found)), len(soft))
+
+
+def _mix(colour: np.ndarray, here: np.ndarray, there: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Share (n,) of the colours `here` in their mixes with `there` that are next to `colour`, and the rest (n, 4)."""
+    span = here - there
+    size = (span ** 2).sum(axis=1)
+    share = np.einsum("nc,nc->n", colour - there, span) / np.maximum(size, 1e-9)
+    share = np.where(size < _SAME ** 2, 1.0, np.clip(share, 0, 1))
+    return share, colour - there - share[:, None] * span
+
+
+def _straight(colours: np.ndarray) -> np.ndarray:
+    """RGBA bytes of premultiplied colours (n, 4)."""
+    alpha = np.clip(colours[:, 3:], 0, 255)
+    rgb = np.where(alpha > 0, colours[:, :3] * 255 / np.maximum(alpha, 1e-9), 0)
+    return np.clip(np.rint(np.concatenate([rgb, alpha], axis=1)), 0, 255).astype(np.uint8)

@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Fields have the lines of equal colour that the picture has."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ddtcore.field import Field, Samples, first_field, refined, slopes, squares, total_error, weighted_quantile
+
+LINEAR = Field("linear", np.array([0.7]))
+CIRCLE = Field("radial", np.array([0.3, -0.4]))
+ELLIPSE = Field("radial", np.array([0.3, -0.4, 0.5, -0.3]))
+
+
+def points(count=1500):
+    return np.random.RandomState(5).uniform(-1, 1, (count, 2))
+
+
+def samples(field, colour=lambda place: np.stack([90 * place, 60 - 30 * place, place * 0], axis=1)):
+    return Samples(points(), colour(field.places(points())), np.ones(len(points())))
+
+
+def same(a, b):
+    """The values of two fields; an axis has no sense."""
+    if a.kind == "linear":
+        return abs(np.sin(a.values[0] - b.values[0]))
+    return np.abs(a.values - b.values).max()
+
+
+@pytest.mark.parametrize("field", [LINEAR, CIRCLE, ELLIPSE])
+def test_changes_are_the_derivatives_of_the_places(field):
+    step = 1e-6
+    for k in range(len(field.values)):
+        moved = field.values.copy()
+        moved[k] += step
+        numeric = (Field(field.kind, moved).places(points()) - field.places(points())) / step
+        np.testing.assert_allclose(field.changes(points())[:, k], numeric, atol=1e-3)
+
+
+def test_places_are_lengths_along_the_axis_and_distances_from_the_centre():
+    at = np.array([[0.3, -0.4], [1.3, -0.4], [0.3, 1.6]])
+    np.testing.assert_allclose(Field("linear", np.array([np.pi / 2])).places(at), at[:, 1])
+    np.testing.assert_allclose(CIRCLE.places(at), [0, 1, 2])
+    np.testing.assert_allclose(Field("radial", np.array([0.3, -0.4, 0.5, 0])).places(at),
+                               [0, np.sqrt(1.5), 2 * np.sqrt(0.5)])
+
+
+@pytest.mark.parametrize("field", [LINEAR, CIRCLE, ELLIPSE])
+@pytest.mark.parametrize("shape", ["slope", "ridge"])
+def test_fields_are_found_whatever_the_colours_along_them(field, shape):
+    def ridge(place):
+        return np.stack([200 * np.abs(place - place.mean()), 0 * place, 0 * place], axis=1)
+
+    known = samples(field, ridge) if shape == "ridge" else samples(field)
+    found = first_field(slopes(known, 0.25), known, field.kind, len(field.values) == 4)
+    found, off = refined(found, known)
+    assert same(found, field) < 0.01
+    # A ridge lies between two of the places where the free colours can bend.
+    assert np.abs(off).max() < (20 if shape == "ridge" else 0.1)
+
+
+def test_steep_edges_do_not_outvote_the_slopes():
+    known = samples(LINEAR)
+    edge = np.abs(known.points[:, 0] - 0.9) < 0.02
+    known.colour[edge] = 255
+    assert same(first_field(slopes(known, 0.25), known, "linear"), LINEAR) < 0.1
+
+
+def test_a_centre_out_of_reach_is_no_radial_field():
+    assert not Field("radial", np.array([100.0, 0])).sound
+    assert not Field("radial", np.array([0, 0, 0.99, 0])).sound
+    assert CIRCLE.sound and ELLIPSE.sound and LINEAR.sound
+
+
+def test_slopes_are_those_of_planes():
+    grid = np.stack(np.meshgrid(np.arange(12.0), np.arange(9.0)), axis=-1).reshape(-1, 2)
+    colour = np.stack([3 * grid[:, 0] + 5, -2 * grid[:, 1], grid[:, 0] + grid[:, 1]], axis=1)
+    known = slopes(Samples(grid, colour, np.ones(len(grid))), 3.0)
+    assert len(known.points) == 12 and known.count.sum() == len(grid)
+    np.testing.assert_allclose(known.slope, np.broadcast_to([[3, 0, 1], [0, -2, 1]], (12, 2, 3)), rtol=0.15)
+
+
+def test_squares_number_the_points_they_hold():
+    number, count = squares(np.array([[0, 0], [0.9, 0.9], [1.1, 0], [7, 7], [7.5, 7.9]]), 1.0)
+    assert number.tolist() == [0, 0, 1, 2, 2] and count == 3
+
+
+def test_a_quantile_goes_by_weight():
+    values, weight = np.array([5.0, 1, 3]), np.array([1.0, 1, 8])
+    assert [weighted_quantile(values, weight, share) for share in (0.05, 0.5, 0.95)] == [1, 3, 5]
+
+
+def test_errors_of_wrong_pixels_are_limited():
+    assert total_error(np.array([[3.0, 4.0], [1e4, 0.0]]), np.array([2.0, 1.0])) == 50 + 1024

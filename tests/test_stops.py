@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Stops are found where they were put, and no more of them than needed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ddtcore.stops import choose_stops, hats, profile
+
+PLACE = np.linspace(0, 1, 4001)
+KNOWN = [
+    ((0, 1), ((10, 200, 7), (250, 20, 7))),
+    ((0.2, 0.7), ((10, 200, 7), (250, 20, 99))),
+    ((0, 0.35, 1), ((0, 0, 0), (200, 100, 50), (255, 255, 255))),
+    ((0, 0.5, 1), ((200, 0, 0), (0, 0, 200), (200, 0, 0))),
+    ((0.1, 0.3, 0.6, 0.9), ((0, 0, 0), (250, 0, 0), (250, 250, 0), (30, 30, 90))),
+]
+
+
+def along(offsets, colours, place=PLACE):
+    """Colours (n, C) between stops."""
+    return np.stack([np.interp(place, offsets, channel) for channel in np.array(colours, float).T], axis=1)
+
+
+@pytest.mark.parametrize("knots", [(0, 1), (0.2, 0.8), (0, 0.3, 1), (0.1, 0.4, 0.6, 0.7)])
+def test_shares_interpolate_like_stops(knots):
+    values = np.random.RandomState(3).rand(len(knots), 2)
+    share = hats(PLACE, np.array(knots))
+    np.testing.assert_allclose(share.sum(axis=1), 1)
+    np.testing.assert_allclose(share.dot(values), along(knots, values), atol=1e-12)
+
+
+def test_shares_of_many_lists_of_knots_are_those_of_each():
+    knots = np.sort(np.random.RandomState(4).rand(5, 3), axis=1)
+    np.testing.assert_array_equal(hats(PLACE, knots), [hats(PLACE, k) for k in knots])
+
+
+@pytest.mark.parametrize("offsets, colours", KNOWN)
+def test_known_stops_are_found_in_rounded_colours(offsets, colours):
+    bins = profile(PLACE, np.rint(along(offsets, colours)), np.ones(len(PLACE)))
+    knots, values = choose_stops(bins, price=200.0)
+    assert len(knots) == len(offsets)
+    np.testing.assert_allclose(knots, offsets, atol=0.01)
+    # Within the first and the last bin the colours are the bin's mean.
+    inner = (PLACE > 0.01) & (PLACE < 0.99)
+    np.testing.assert_allclose(along(knots, values)[inner], along(offsets, colours)[inner], atol=1.5)
+
+
+def test_a_stop_that_saves_less_than_its_price_is_left_out():
+    bins = profile(PLACE, along(*KNOWN[2]), np.ones(len(PLACE)))
+    assert len(choose_stops(bins, price=1e9)[0]) == 2
+
+
+def test_a_profile_averages_what_falls_into_a_bin():
+    bins = profile(np.array([0.5, 0.5, 1.0]), np.array([[10.0, 0, 0], [40.0, 0, 0], [7.0, 7, 7]]),
+                   np.array([2.0, 1.0, 5.0]))
+    np.testing.assert_allclose(bins.place, [0.5, 1])
+    np.testing.assert_allclose(bins.colour, [[20, 0, 0], [7, 7, 7]])
+    np.testing.assert_allclose(bins.weight, [[3, 3, 3], [5, 5, 5]])
+
+
+def test_translucent_colours_are_not_premultiplied_and_count_by_their_alpha():
+    bins = profile(np.array([0.0, 1.0]), np.array([[50.0, 25, 0, 127.5], [0, 0, 0, 0]]), np.ones(2))
+    np.testing.assert_allclose(bins.colour[0], [100, 50, 0, 127.5])
+    np.testing.assert_allclose(bins.weight[0], [0.25, 0.25, 0.25, 1])
+    assert bins.weight[1, 0] < 1e-5
