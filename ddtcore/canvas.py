@@ -93,7 +93,7 @@ def unpack(keys: np.ndarray) -> np.ndarray:
 
 
 def count_keys(keys: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Different values of a 1-D array, rising, and how often each occurs; quick where equal ones follow each other."""
+    """Different values of a 1-D array, rising, and how often each occurs; quick for long runs."""
     if not keys.size:
         return keys, np.zeros(0, np.int64)
     heads = np.concatenate([[0], np.flatnonzero(keys[1:] != keys[:-1]) + 1])
@@ -110,7 +110,7 @@ def premultiply(rgba: np.ndarray) -> np.ndarray:
 def planes(keys: np.ndarray, opaque: bool) -> np.ndarray:
     """Premultiplied channels of packed pixels, float32 (C, ...), 0 to 255."""
     rgba = unpack(keys)
-    out = np.empty((3 if opaque else 4,) + keys.shape, np.float32)
+    out = np.empty((3 if opaque else 4, *keys.shape), np.float32)
     for channel, plane in enumerate(out):
         plane[...] = rgba[..., channel]
     if not opaque:

@@ -60,10 +60,10 @@ def cut_into_pixels(control: np.ndarray, line: np.ndarray, shape: Tuple[int, int
     -------
     Pieces
     """
-    length = np.hypot(*np.moveaxis(np.diff(control, axis=1), 2, 0)).sum(axis=1)
+    fastest = 3 * np.hypot(*np.moveaxis(np.diff(control, axis=1), 2, 0)).max(axis=1)
     bend = np.where(line, 0, np.square(np.diff(control, n=2, axis=1)).sum(axis=2).max(axis=1))
     # A chord over 1/n of a cubic strays by 6/8 of its largest second difference / n² at most.
-    count = np.ceil(np.maximum(length / CHORD, np.sqrt(0.75 / SAGITTA) * bend ** 0.25))
+    count = np.ceil(np.maximum(fastest / CHORD, np.sqrt(0.75 / SAGITTA) * bend ** 0.25))
     count = np.maximum(count, 1).astype(np.int64)
     segment = np.repeat(np.arange(len(control)), count)
     step = np.arange(len(segment)) - np.repeat(np.cumsum(count) - count, count)

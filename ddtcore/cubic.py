@@ -19,6 +19,10 @@ LINE_SHARE = 0.6
 """A chord serves as a line if its points stray no further than this share of the tolerance."""
 
 
+NEAR = 3.0
+"""A cubic that misses the tolerance by no more than this factor may fit after more rounds."""
+
+
 class Fit(NamedTuple):
     """Candidate segments and how well they fit.
 
@@ -80,20 +84,28 @@ def fit_candidates(points: np.ndarray, weight: np.ndarray, first: np.ndarray, la
     line = line_error < LINE_SHARE * tolerance
     control = bezier.from_line(ends.point[:, 0], ends.point[:, 1])
     curved = np.flatnonzero(~line)
-    if not len(curved):
-        return Fit(control, line, line_error, line_worst)
-    sub_index, sub_owner, sub_heads = _ranges(first[curved], last[curved])
-    sub_ends = Ends(*(part[curved] for part in ends))
-    target, w = points[sub_index], weight[sub_index]
-    t = _chord_parameters(target, sub_ends, sub_owner, sub_heads)
-    for _ in range(4):
-        fitted = _solve(target, w, t, sub_owner, sub_heads, sub_ends)
-        t = bezier.reproject(fitted, sub_owner, t, target)
-    away = bezier.evaluate(fitted, sub_owner, t) - target
-    error, worst = _worst(np.hypot(away[:, 0], away[:, 1]), sub_index, sub_owner, sub_heads, len(curved))
-    control[curved] = fitted
-    line_error[curved], line_worst[curved] = error, worst
+    # A few rounds show what can't fit; what comes near is given more.
+    for rounds in (4, 12):
+        if not len(curved):
+            break
+        fitted = _fit(points, weight, first[curved], last[curved], Ends(*(part[curved] for part in ends)), rounds)
+        control[curved], line_error[curved], line_worst[curved] = fitted
+        error = line_error[curved]
+        curved = curved[(error > tolerance[curved]) & (error < NEAR * tolerance[curved])]
     return Fit(control, line, line_error, line_worst)
+
+
+def _fit(points: np.ndarray, weight: np.ndarray, first: np.ndarray, last: np.ndarray, ends: Ends,
+         rounds: int) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Cubics, their largest errors and the points that have them; handles and parameters in turn."""
+    index, owner, heads = _ranges(first, last)
+    target, w = points[index], weight[index]
+    t = _chord_parameters(target, ends, owner, heads)
+    for _ in range(rounds):
+        fitted = _solve(target, w, t, owner, heads, ends)
+        t = bezier.reproject(fitted, owner, t, target)
+    away = bezier.evaluate(fitted, owner, t) - target
+    return (fitted, *_worst(np.hypot(away[:, 0], away[:, 1]), index, owner, heads, len(first)))
 
 
 def _ranges(first: np.ndarray, last: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -28,7 +28,10 @@ _WRONG = 1024.0
 """Squared error of a pixel that belongs to something else, levels."""
 
 _KNOTS = 12
+"""Places along a field where the free colours can bend."""
+
 _STEPS = 8
+"""Most Gauss-Newton steps."""
 
 
 class Samples(NamedTuple):
@@ -215,7 +218,7 @@ def refined(field: Field, samples: Samples) -> Tuple[Field, np.ndarray]:
 
 
 def total_error(off: np.ndarray, count: np.ndarray) -> float:
-    """Sum of the squared differences (n, C) of colours, none counted for more than one clearly wrong pixel."""
+    """Sum of the squared differences (n, C) of colours, none counting more than a wrong pixel."""
     return float(count.dot(np.minimum((off ** 2).sum(axis=1), _WRONG)))
 
 

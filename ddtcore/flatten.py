@@ -81,7 +81,7 @@ def _pairs(index: np.ndarray, soft: np.ndarray) -> Tuple[np.ndarray, np.ndarray]
 
 
 def _mix(colour: np.ndarray, here: np.ndarray, there: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Share (n,) of the colours `here` in their mixes with `there` that are next to `colour`, and the rest (n, 4)."""
+    """Share (n,) of `here` in the mix with `there` nearest to `colour`, and what is left over (n, 4)."""
     span = here - there
     size = (span ** 2).sum(axis=1)
     share = np.einsum("nc,nc->n", colour - there, span) / np.maximum(size, 1e-9)

@@ -1,5 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The gradient that explains the colours of a region, if one pays for its bytes."""
+"""The gradient that explains the colours of a region, if one pays for its bytes.
+
+A gradient costs what it leaves unexplained and a price for its size in the file, as in
+the minimum description length principle (Rissanen, Automatica 14, 1978).  The cheapest
+of none, a linear, a radial and an elliptic one is taken.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +12,8 @@ from typing import NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from .field import Field, Samples, first_field, refined, slopes, squares, total_error, weighted_quantile
+from .field import (Field, Samples, first_field, refined, slopes, squares, total_error,
+                    weighted_quantile)
 from .model import Gradient
 from .stops import BINS, choose_stops, profile
 
@@ -18,7 +24,10 @@ BYTES = 150
 """Size of a gradient with two stops, and of what refers to it."""
 
 STOP_BYTES = 35
+"""Size of each further stop."""
+
 ELLIPSE_BYTES = 40
+"""What an ellipse needs beyond a circle."""
 
 _EXACT = 0.25
 """Mean squared error per channel that no other gradient need try to lower, squared levels."""
@@ -68,7 +77,7 @@ def fit_gradient(samples: Samples, reach: np.ndarray) -> Optional[Gradient]:
         field = first_field(known, region.local, kind, elliptic)
         gradient = None if field is None else _fitted(field, region, least)
         if gradient is not None:
-            cost = _error(cells, colours_at(gradient, cells.points)[:, :cells.colour.shape[1]]) + price(gradient)
+            cost = _error(cells, colours_at(gradient, cells.points)) + price(gradient)
             if cost < least:
                 best, least = gradient, cost
     return best
@@ -88,14 +97,14 @@ class _Unit(NamedTuple):
 
 
 class _Region(NamedTuple):
-    cells: Samples
-    local: Samples
-    reach: np.ndarray
+    cells: Samples       # in the coordinates of the picture
+    local: Samples       # the same in those of `unit`
+    reach: np.ndarray    # (m, 2) up to where the gradient must go on, likewise
     unit: _Unit
 
 
 def _fitted(field: Field, region: _Region, least: float) -> Optional[Gradient]:
-    """The best gradient like a given field; None if even free colours along it would cost more than `least`."""
+    """The best gradient like a given field; None if even free colours along it cost more than `least`."""
     samples = region.local
     field, off = refined(field, samples)
     if total_error(off, samples.count) + PRICE * BYTES >= least:
@@ -115,7 +124,8 @@ def price(gradient: Gradient) -> float:
 
 
 def _error(samples: Samples, colour: np.ndarray) -> float:
-    return total_error(samples.colour - colour, samples.count)
+    """By how much samples differ from a colour, or each from one, (C,) or (n, C or more)."""
+    return total_error(samples.colour - colour[..., :samples.colour.shape[1]], samples.count)
 
 
 def _averaged(samples: Samples) -> Samples:
@@ -127,7 +137,7 @@ def _averaged(samples: Samples) -> Samples:
     count = np.bincount(number, samples.count, cells)
 
     def mean(values: np.ndarray) -> np.ndarray:
-        return np.stack([np.bincount(number, samples.count * v, cells) for v in values.T], axis=1) / count[:, None]
+        return np.stack([np.bincount(number, samples.count * v, cells) / count for v in values.T], axis=1)
 
     return Samples(mean(samples.points), mean(samples.colour), count)
 
@@ -154,7 +164,8 @@ def _with_stops(field: Field, region: _Region, samples: Samples) -> Gradient:
     centre = field.values[:2]
     end, across = (_pair(region.unit.back(centre + knots[-1] * axis / np.sqrt(square)))
                    for axis, square in zip(axes.T, measure))
-    return Gradient("radial", _pair(region.unit.back(centre)), end, stops, across if len(field.values) == 4 else None)
+    return Gradient("radial", _pair(region.unit.back(centre)), end, stops,
+                    across if len(field.values) == 4 else None)
 
 
 def _prolonged(knots: np.ndarray, values: np.ndarray, end: float) -> Tuple[np.ndarray, np.ndarray]:
@@ -170,7 +181,9 @@ def _prolonged(knots: np.ndarray, values: np.ndarray, end: float) -> Tuple[np.nd
     return knots, values
 
 
-def _stops(knots: np.ndarray, values: np.ndarray, begin: float) -> Tuple:
+def _stops(knots: np.ndarray, values: np.ndarray,
+           begin: float) -> Tuple[Tuple[float, Tuple[int, int, int], float], ...]:
+    """Stops of a gradient whose offset 0 lies at `begin`."""
     offsets = (knots - begin) / (knots[-1] - begin)
     levels = np.clip(np.rint(values), 0, 255).astype(int).tolist()
     return tuple((round(offset, 4), (r, g, b), round(alpha[0] / 255, 4) if alpha else 1.0)

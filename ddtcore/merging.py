@@ -98,7 +98,7 @@ def merge_specks(labels: Labels, area: float, spare: Optional[Callable] = None) 
 
 
 def _borders(region: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Regions on both sides of every pixel edge between two regions, each edge seen from both sides, int64."""
+    """Regions on both sides of each pixel edge between two of them, seen from either side, int64."""
     pairs = []
     for a, b in ((region[:, 1:], region[:, :-1]), (region[1:], region[:-1])):
         differ = a != b
@@ -115,7 +115,7 @@ def _inside_one(region: np.ndarray) -> np.ndarray:
 
 
 def _best_neighbours(region: np.ndarray, size: np.ndarray, area: float) -> np.ndarray:
-    """For each small region the larger neighbour with the longest shared border, else itself, chains followed."""
+    """Per small region the larger neighbour with the longest shared border, chains followed, or itself."""
     small, other = _borders(region)
     rank = np.empty(size.size, np.int64)
     rank[np.argsort(size, kind="stable")] = np.arange(size.size)

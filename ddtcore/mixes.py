@@ -41,7 +41,8 @@ def _from_segment(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> Tuple[np.
     return off, share
 
 
-def third_share(points: np.ndarray, a: np.ndarray, b: np.ndarray, thirds: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+def third_share(points: np.ndarray, a: np.ndarray, b: np.ndarray,
+                thirds: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """How well colours are mixes of a, b and a third one: its share, and the distance left.
 
     Parameters

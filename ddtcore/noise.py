@@ -49,11 +49,14 @@ def noise_level(canvas: Canvas, core: np.ndarray, slopes: np.ndarray) -> Tuple[f
     cells = canvas.cells(~core)
     if not cells.size:
         return ROUNDING, False
+    share = cells.size / core.size
     cells = cells[::max(1, cells.size // _SAMPLE)]
     here, span = canvas.colours(cells), _spans(canvas, cells)
-    bends = [canvas.colours(cells - step) + canvas.colours(cells + step) - 2 * here for step in (1, canvas.stride)]
+    bends = [canvas.colours(cells - step) + canvas.colours(cells + step) - 2 * here
+             for step in (1, canvas.stride)]
     uneven = np.abs(bends).max(axis=(0, 1)) > _UNEVEN
-    if np.mean(uneven & (span <= _LOW)) < 0.05:
+    rippled = np.mean(uneven & (span <= _LOW))
+    if rippled < 0.05 or rippled * share < 0.005:
         return ROUNDING, False
     if _sloping_area(canvas, slopes) > 0.1 * slopes.size:
         return ROUNDING, True
@@ -91,7 +94,7 @@ def noisy_colours(canvas: Canvas, plateaus: Plateaus, noise: float) -> np.ndarra
 
 def _unlike(canvas: Canvas, keys: np.ndarray, margin: float) -> List[int]:
     """The packed colours that differ by more than a margin from all before them."""
-    found = []
+    found: List[int] = []
     while keys.size and len(found) < _MANY:
         found.append(keys[0])
         keys = keys[_apart(canvas, keys, keys[0]) > margin]
@@ -104,7 +107,7 @@ def _apart(canvas: Canvas, keys: np.ndarray, key: int) -> np.ndarray:
 
 
 def _sloping_area(canvas: Canvas, slopes: np.ndarray) -> int:
-    """Area, px, of the soft ramps that are no flat areas with ripples: none of their colours has half of it."""
+    """Area, px², of the ramps that are no flat areas with ripples: none of their colours has half of it."""
     some = slopes >= 0
     ramp = slopes[some].astype(np.uint64)
     pairs, counts = count_keys(ramp << np.uint64(32) | canvas.bare(canvas.keys)[some])

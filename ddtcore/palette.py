@@ -9,6 +9,7 @@ in its anti-aliasing, except where a straight stroke under two pixels covers two
 from __future__ import annotations
 
 from dataclasses import dataclass
+
 import numpy as np
 
 from .canvas import RIM, Canvas, count_keys, planes
@@ -28,7 +29,13 @@ PIECE = 12
 """Where there are soft ramps: smallest plateau that is no piece of one, px²."""
 
 LIKE = 14
-"""Where there are soft ramps: how far apart the colours of pieces of one may be, levels."""
+"""How far apart pieces of a soft ramp may be, and shades that are no colours of their own, levels."""
+
+ELBOWS = 3
+"""Fewest corners of three equal pixels that make a colour without plateaus real."""
+
+HARD = 0.95
+"""Share of palette colours among the pixels that are no plateaus from which edges count as hard."""
 
 _WEIGHED = 48
 _FEW = 1 << 14
@@ -126,7 +133,30 @@ def choose_colours(canvas: Canvas, plateaus: Plateaus, ramps: bool) -> np.ndarra
         for k in np.flatnonzero(keep & (plateaus.full < PIECE)):
             off = np.abs(colours[:, :k][:, keep[:k]] - colours[:, k:k + 1]).max(axis=0)
             keep[k] = not (off < LIKE).any()
-    return plateaus.keys[keep][:MANY]
+    chosen = plateaus.keys[keep][:MANY]
+    return chosen if ramps else np.append(chosen, _elbow_colours(canvas, plateaus, chosen))[:MANY]
+
+
+def _elbow_colours(canvas: Canvas, plateaus: Plateaus, chosen: np.ndarray) -> np.ndarray:
+    """Packed colours unlike those `chosen` that occur several times in three equal pixels round a corner.
+
+    Anti-aliasing of one edge makes no such three, and strokes too narrow for plateaus do.
+    """
+    cells, key, down = canvas.cells(~plateaus.core), canvas.keys, canvas.stride
+    here = key[cells]
+    elbow = (here == key[cells + 1]) | (here == key[cells - 1])
+    elbow &= (here == key[cells + down]) | (here == key[cells - down])
+    elbow[elbow] = _interior(canvas, cells[elbow])
+    keys, counts = np.unique(here[elbow], return_counts=True)
+    keys = keys[(counts >= ELBOWS) & ~np.isin(keys, plateaus.keys)]
+    off = np.abs(planes(keys, canvas.opaque)[:, :, None] - planes(chosen, canvas.opaque)[:, None]).max(axis=0)
+    return keys[~(off < LIKE).any(axis=1)]
+
+
+def _interior(canvas: Canvas, cells: np.ndarray) -> np.ndarray:
+    """Which pixels do not lie on the picture's outermost rows and columns."""
+    row, col = canvas.places(cells)
+    return (row > 0) & (row < canvas.shape[0] - 1) & (col > 0) & (col < canvas.shape[1] - 1)
 
 
 def is_mixed(colours: np.ndarray, among: np.ndarray) -> np.ndarray:
@@ -149,7 +179,8 @@ def known_labels(canvas: Canvas, plateaus: Plateaus, keys: np.ndarray, noise: fl
     """Labels of the pixels that surely have one of the colours `keys`, int32 (P,) with the rim, else -1.
 
     Sure are plateaus, also those where pixels vary by the level of `noise`; and pixels of
-    a colour that is no mix of others, wherever two of them touch.
+    a colour that is no mix of others, wherever two of them touch; in a picture without
+    anti-aliasing all that have a colour of the palette.
     """
     if not keys.size:
         return np.full(canvas.keys.size, -1, np.int32)
@@ -160,6 +191,8 @@ def known_labels(canvas: Canvas, plateaus: Plateaus, keys: np.ndarray, noise: fl
     cells = canvas.cells(~plateaus.core | (canvas.bare(labels) < 0))
     sure = (labels[cells] >= 0) & plain[labels[cells]]
     sure &= (labels[cells] == labels[cells + window(canvas.stride, 1, 1)[:, None]]).any(axis=0)
+    if np.count_nonzero(labels[cells] >= 0) > HARD * cells.size:
+        sure = labels[cells] >= 0
     labels[cells] = _nearest_within(canvas, cells, colours, noise)
     sure |= (labels[cells] >= 0) & _in_block(labels, cells, canvas.stride)
     labels[cells[~sure]] = -1

@@ -3,14 +3,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Optional
 
 import numpy as np
 
-from . import border, fit, outline, position, regions, stacking, triangulation
+from . import border, fit, flatten, outline, paint, position, regions, stacking, triangulation
 from .model import Drawing
 from .options import TraceOptions
 from .raster import check_image
+
+
+UNFINISHED = ("the triangulation was not finished: it reached the setting 'work';"
+              " raise that, or trace a smaller picture")
 
 
 def trace(image: np.ndarray, options: Optional[TraceOptions] = None) -> Drawing:
@@ -28,11 +33,14 @@ def trace(image: np.ndarray, options: Optional[TraceOptions] = None) -> Drawing:
     """
     options = options or TraceOptions()
     image = check_image(image)
-    labels = regions.label_pixels(image, options)
-    mesh = triangulation.triangulate(image, labels, options)
+    labels = paint.find_gradients(image, regions.label_pixels(image, options))
+    even = flatten.flatten(image, labels)
+    mesh = triangulation.triangulate(even, labels, options)
     if options.result in ("triangles", "border"):
-        return border.draw_mesh(image, labels, mesh, options)
-    planar = outline.link_outlines(mesh, labels)
-    lines = position.place(image, labels, mesh, planar, options)
-    curves = fit.fit_arcs(image, labels, planar, lines, options)
-    return stacking.stack(image, labels, planar, lines, curves, options)
+        drawing = border.draw_mesh(image, labels, mesh, options)
+    else:
+        planar = outline.link_outlines(mesh, labels)
+        lines = position.place(even, labels, mesh, planar, options)
+        curves = fit.fit_arcs(even, labels, planar, lines, options)
+        drawing = stacking.stack(image, labels, planar, lines, curves, options)
+    return drawing if mesh.finished else replace(drawing, notes=(*drawing.notes, UNFINISHED))

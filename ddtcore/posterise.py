@@ -28,13 +28,12 @@ _BINS = 256
 def is_noisy(canvas: Canvas) -> bool:
     """Whether most steps from pixel to pixel, in a sample of rows and columns, are neither zero nor even."""
     key = canvas.bare(canvas.keys)
-    rough = [_rough_share(lines[np.linspace(0, len(lines) - 1, min(len(lines), _LINES)).astype(int)], canvas.opaque)
-             for lines in (key, key.T)]
-    return min(rough) > _ROUGH
+    return min(_rough_share(lines, canvas.opaque) for lines in (key, key.T)) > _ROUGH
 
 
 def _rough_share(lines: np.ndarray, opaque: bool) -> float:
-    """Share of the steps along lines of packed pixels that are neither zero nor small and even."""
+    """Share of the steps along some lines of packed pixels that are neither zero nor small and even."""
+    lines = lines[np.linspace(0, len(lines) - 1, min(len(lines), _LINES)).astype(int)]
     if lines.shape[1] < 4:
         return 0.0
     row, col = np.nonzero(lines[:, 1:-2] != lines[:, 2:-1])
@@ -43,7 +42,7 @@ def _rough_share(lines: np.ndarray, opaque: bool) -> float:
 
 
 def posterise(canvas: Canvas, most: int) -> Labels:
-    """Label each pixel by the nearest of at most `most` colours; by its own, if there are no more than that."""
+    """Label each pixel by the nearest of at most `most` colours, or by its own if there are no more."""
     key = canvas.bare(canvas.keys)
     if np.unique(key.ravel()[::max(1, key.size // 4096)]).size <= most:
         own, index = np.unique(key, return_inverse=True)

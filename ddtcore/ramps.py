@@ -80,7 +80,7 @@ def find_ramps(canvas: Canvas) -> Tuple[np.ndarray, int]:
 
 
 def _even_steps(canvas: Canvas, equal: np.ndarray, step: int) -> np.ndarray:
-    """Where a pixel equals the next one, or the step to it is small and like the steps before and after it."""
+    """Where a pixel equals the next one, or the step to it is small and like those before and after it."""
     cells = canvas.cells(~equal)
     even = np.empty(cells.size, bool)
     for start in range(0, cells.size, _CHUNK):

@@ -23,6 +23,7 @@ from .threshold import label_steps
 
 MANY = 40
 """Most colours for a picture without flat ones."""
+
 DITHER = 0.01
 """Share of specks among the pixels that are no plateaus, from which a picture counts as dithered."""
 
@@ -64,6 +65,7 @@ def label_flat_art(canvas: Canvas) -> Labels:
     plateaus = palette.find_plateaus(canvas, slopes >= 0)
     noise, rippled = noise_level(canvas, plateaus.core, slopes)
     if noise > ROUNDING:
+        # The ramps are ripples of flat colours.
         slopes, count = np.full(canvas.shape, -1, np.int32), 0
         plateaus = palette.find_plateaus(canvas, slopes >= 0)
         keys = noisy_colours(canvas, plateaus, noise)
@@ -71,6 +73,7 @@ def label_flat_art(canvas: Canvas) -> Labels:
         keys = palette.choose_colours(canvas, plateaus, count > 0)
     if not keys.size and not count:
         return posterise(canvas, MANY)
+
     labels = palette.known_labels(canvas, plateaus, keys, noise)
     cells = canvas.cells(~plateaus.core & (slopes < 0))
     ridges = strokes.find_ridges(canvas, cells, noise)
@@ -83,19 +86,13 @@ def label_flat_art(canvas: Canvas) -> Labels:
         ramps.absorb_pieces(canvas, labels, slopes)
         canvas.bare(labels)[slopes >= 0] = slopes[slopes >= 0] + keys.size
         colours = np.concatenate([colours, mean_colours(canvas, slopes)])
+
     thin, specks = _label_unknown(canvas, labels, ridges, keys, colours, noise)
     result = Labels(index=np.ascontiguousarray(canvas.bare(labels)), palette=colours,
                     thin=np.ascontiguousarray(canvas.bare(thin)), ramp=np.arange(len(colours)) >= keys.size)
     if specks > DITHER * cells.size + 25:
         return merging.merge_specks(result, SPECK)
-    if not rippled:
-        return merging.drop_unused(result)
-
-    def contrasts(mask: np.ndarray, index: np.ndarray) -> np.ndarray:
-        off = canvas.colours(canvas.cells(mask)) - canvas.mixing(colours)[:, index]
-        return np.abs(off).max(axis=0) > max(CONTRAST, 5 * noise)
-
-    return merging.merge_specks(result, SPECK, contrasts)
+    return _merge_ripples(canvas, result, noise) if rippled else merging.drop_unused(result)
 
 
 def _label_unknown(canvas: Canvas, labels: np.ndarray, ridges: strokes.Ridges, keys: np.ndarray,
@@ -105,17 +102,32 @@ def _label_unknown(canvas: Canvas, labels: np.ndarray, ridges: strokes.Ridges, k
     Returns which pixels belong to strokes, and how many are specks that nothing explains.
     """
     unknown = canvas.cells(canvas.bare(labels) < 0)
-    label, share = strokes.stroke_labels(canvas, ridges, planes(keys, canvas.opaque), labels, noise)
-    taken = (label >= 0) & (labels[ridges.cells] < 0)
-    cells, label, share = ridges.cells[taken], label[taken], share[taken]
-    labels[cells] = label
-    sharp, thin = canvas.keys.copy(), np.zeros(labels.size, bool)
-    sharp[cells] = keys[label]
-    full = replace(canvas, keys=sharp)
-    rest = canvas.cells(canvas.bare(labels) < 0)
-    sides.label_mixed(canvas, full, labels, rest, canvas.mixing(colours))
-    thin[cells] = True
-    lone = cells[strokes.lone_corners(labels, thin, cells, canvas.stride) & (share < 0.5)]
-    labels[lone], thin[lone] = -1, False
-    sides.label_mixed(canvas, full, labels, lone, canvas.mixing(colours))
-    return thin, sides.join_islands(canvas, full, labels, unknown)
+    stroke, share = strokes.stroke_labels(canvas, ridges, planes(keys, canvas.opaque), labels, noise)
+    taken = (stroke >= 0) & (labels[ridges.cells] < 0)
+    labels[ridges.cells[taken]] = stroke[taken]
+    sharp = canvas.keys.copy()
+    sharp[ridges.cells[taken]] = keys[stroke[taken]]
+    full, mixing = replace(canvas, keys=sharp), canvas.mixing(colours)
+    sides.label_mixed(canvas, full, labels, canvas.cells(canvas.bare(labels) < 0), mixing)
+
+    thin = np.zeros(labels.size, bool)
+    thin[ridges.cells] = stroke == labels[ridges.cells]
+    faint = ridges.cells[taken & (share < 0.5)]
+    lone = faint[strokes.lone_corners(labels, thin, faint, canvas.stride)]
+    labels[lone] = -1
+    sides.label_mixed(canvas, full, labels, lone, mixing)
+    specks = sides.join_islands(canvas, full, labels, unknown)
+    thin[ridges.cells] &= stroke == labels[ridges.cells]
+    thin[lone] = False
+    return thin, specks
+
+
+def _merge_ripples(canvas: Canvas, labels: Labels, noise: float) -> Labels:
+    """Merge the specks that JPEG and resizing leave, but no dots that stand out."""
+    colours = canvas.mixing(labels.palette)
+
+    def stands_out(mask: np.ndarray, index: np.ndarray) -> np.ndarray:
+        off = canvas.colours(canvas.cells(mask)) - colours[:, index]
+        return np.asarray(np.abs(off).max(axis=0) > max(CONTRAST, 5 * noise))
+
+    return merging.merge_specks(labels, SPECK, stands_out)

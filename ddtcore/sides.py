@@ -21,6 +21,7 @@ SLOTS = 4
 
 _FAR = 50.0
 _ABSENT = 4.0
+_DOUBTFUL = 25.0
 _ISLAND = 2
 _EXPLAINED = 12.0
 _PAIRS = [(0, 1), (0, 2), (1, 2), (0, 3), (1, 3), (2, 3)]
@@ -35,7 +36,8 @@ def window(stride: int, low: int, high: int) -> np.ndarray:
     return (row * stride + col)[order].astype(np.int32)
 
 
-def label_mixed(canvas: Canvas, sharp: Canvas, labels: np.ndarray, cells: np.ndarray, colours: np.ndarray) -> None:
+def label_mixed(canvas: Canvas, sharp: Canvas, labels: np.ndarray, cells: np.ndarray,
+                colours: np.ndarray) -> None:
     """Give pixels the label of the nearer of their two sides.
 
     Parameters
@@ -50,16 +52,19 @@ def label_mixed(canvas: Canvas, sharp: Canvas, labels: np.ndarray, cells: np.nda
     """
     if not cells.size:
         return
-    pair, label, _ = _nearer_side(canvas, sharp, labels, cells)
-    lonely = np.flatnonzero(pair[1] < 0)
-    if lonely.size:
-        label[lonely] = _beside_one(canvas, sharp, labels, cells[lonely], pair[0, lonely], colours)
+    pair, label, distance = _nearer_side(canvas, sharp, labels, cells)
+    distance[pair[1] < 0] = np.inf
+    doubtful = np.flatnonzero(distance > _DOUBTFUL)
+    if doubtful.size:
+        other, cost = _beside_one(canvas, sharp, labels, cells[doubtful], pair[0, doubtful], colours)
+        better = cost < distance[doubtful]
+        label[doubtful[better]] = other[better]
     labels[cells] = label
 
 
 def _nearer_side(canvas: Canvas, sharp: Canvas, labels: np.ndarray,
                  cells: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Samples of both sides, int32 (2, N); the label of the nearer one; how far the colour is off their mixes."""
+    """Samples of both sides, int32 (2, N), label of the nearer one, and distance from their mixes."""
     samples, close = near_samples(labels, cells, canvas.stride)
     pair = _best_pairs(canvas, sharp, cells, samples, close)
     distance, share = segment_distance(canvas.colours(cells), sharp.colours(pair[0]), sharp.colours(pair[1]))
@@ -107,7 +112,7 @@ def near_samples(labels: np.ndarray, cells: np.ndarray, stride: int) -> Tuple[np
 
 def _best_pairs(canvas: Canvas, sharp: Canvas, cells: np.ndarray, samples: np.ndarray,
                 close: np.ndarray) -> np.ndarray:
-    """The two samples whose mixes explain each pixel's neighbourhood best, int32 (2, N); -1 for want of any."""
+    """The two samples whose mixes explain each pixel's neighbourhood best, int32 (2, N); -1 for none."""
     pair = samples[:2].copy()
     many = np.flatnonzero(samples[2] >= 0)
     if not many.size:
@@ -129,10 +134,10 @@ def _best_pairs(canvas: Canvas, sharp: Canvas, cells: np.ndarray, samples: np.nd
 
 
 def _beside_one(canvas: Canvas, sharp: Canvas, labels: np.ndarray, cells: np.ndarray, sample: np.ndarray,
-                colours: np.ndarray) -> np.ndarray:
-    """Labels of pixels with at most one known colour near: the nearer side of its best mix with any other.
+                colours: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Labels of pixels beside one known colour, or none: the nearer side of its best mix with any other.
 
-    Colours that are met within 18 pixels are preferred.
+    Colours that are met within 18 pixels are preferred.  Returns what the mixes cost, too.
     """
     here, alone = canvas.colours(cells), sample < 0
     one = np.where(alone, here, sharp.colours(sample))
@@ -147,7 +152,7 @@ def _beside_one(canvas: Canvas, sharp: Canvas, labels: np.ndarray, cells: np.nda
         better = cost < least
         least[better] = cost[better]
         best[better] = np.where(alone | (share >= 0.5), k, labels[sample])[better]
-    return best
+    return best, least
 
 
 def met_around(canvas: Canvas, labels: np.ndarray, cells: np.ndarray, count: int) -> np.ndarray:

@@ -25,6 +25,9 @@ BINS = 128
 _GRIDS = (12, 48, 192, 768)
 """Parts into which the gradient is divided to try places for stops: at first, and then nearby."""
 
+_GAP = 1 / 1024
+"""Least distance between two stops."""
+
 _STIFF = 1e-6
 """Pull of the mean colour on stops that few pixels speak for, as a share of all their weight."""
 
@@ -104,8 +107,9 @@ def choose_stops(bins: Profile, price: float) -> Tuple[np.ndarray, np.ndarray]:
     knots, _ = _best(bins, np.stack([places[first], places[last]], axis=1))
     knots, error = best, least = _settled(bins, knots)
     while len(knots) < MOST and least > price:
-        more = np.broadcast_to(knots, (len(places), len(knots)))
-        more, _ = _best(bins, np.sort(np.concatenate([more, places[:, None]], axis=1), axis=1))
+        free = places[np.abs(places[:, None] - knots).min(axis=1) > _GAP]
+        more = np.broadcast_to(knots, (len(free), len(knots)))
+        more, _ = _best(bins, np.sort(np.concatenate([more, free[:, None]], axis=1), axis=1))
         knots, error = _settled(bins, more)
         extra = len(knots) - len(best)
         if error + extra * price < least and error < GAIN**extra * least:
@@ -129,8 +133,8 @@ def _settled(bins: Profile, knots: np.ndarray) -> Tuple[np.ndarray, float]:
 
 def _moves(knots: np.ndarray, k: int, grid: int) -> np.ndarray:
     """The knots with number `k` where it is, and at as many places around as the first grid has parts."""
-    low = knots[k - 1] if k else 0.0
-    high = knots[k + 1] if k + 1 < len(knots) else 1.0
+    low = knots[k - 1] + _GAP if k else 0.0
+    high = knots[k + 1] - _GAP if k + 1 < len(knots) else 1.0
     moved = np.repeat(knots[None], _GRIDS[0] + 1, axis=0)
     moved[1:, k] += (np.arange(_GRIDS[0]) - (_GRIDS[0] - 1) / 2) / grid
     moved[:, k] = np.clip(moved[:, k], low, high)

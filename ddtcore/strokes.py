@@ -62,7 +62,7 @@ class Ridges:
         """How far the pixels stand out, float32 (R,)."""
         return length(self.off)
 
-    def some(self, which: np.ndarray) -> "Ridges":
+    def some(self, which: np.ndarray) -> Ridges:
         """A part of the ridge pixels."""
         return Ridges(self.cells[which], self.colour[:, which], self.one[:, which], self.other[:, which],
                       self.off[:, which])
@@ -142,24 +142,31 @@ def new_colours(canvas: Canvas, cells: np.ndarray, ridges: Ridges, colours: np.n
     doubt = noise - ROUNDING
     if colours.shape[1]:
         beside, _ = third_share(ridges.colour, ridges.one, ridges.other, colours)
-        ridges = ridges.some(np.flatnonzero(beside.min(axis=1) >= np.maximum(0.4 * ridges.height, 30 + 2 * doubt)))
+        limit = np.maximum(0.4 * ridges.height, 30 + 2 * doubt)
+        ridges = ridges.some(np.flatnonzero(beside.min(axis=1) >= limit))
     found, around = [], canvas.colours(cells) if ridges.cells.size else None
     for _ in range(_TRIES):
         if ridges.cells.size < 4:
             break
-        worst = np.argmax(ridges.height)
-        colour = ridges.colour[:, worst, None]
+        highest = np.argmax(ridges.height)
+        cell, colour = ridges.cells[highest], ridges.colour[:, highest, None]
         beside, share = third_share(ridges.colour, ridges.one, ridges.other, colour)
         fits = (beside[:, 0] < 12 + doubt) & (share[:, 0] > 0.3)
-        fits[worst] = True
-        row, col = canvas.places(ridges.cells)
-        close = np.abs(row - row[worst]) + np.abs(col - col[worst]) <= _REACH
-        if np.count_nonzero(fits & close) >= 4 + doubt and not _mixed_near(canvas, ridges.cells[worst], colours, labels):
+        fits[highest] = True
+        fit_near = np.count_nonzero(fits & _within_reach(canvas, ridges.cells, cell))
+        if fit_near >= 4 + doubt and not _mixed_near(canvas, cell, colours, labels):
             like = cells[np.abs(around - colour).max(axis=0) < 10 + doubt]
             values, counts = np.unique(canvas.keys[like], return_counts=True)
-            found.append(values[np.argmax(counts)] if counts.max() > 2 else canvas.keys[ridges.cells[worst]])
+            found.append(values[np.argmax(counts)] if counts.max() > 2 else canvas.keys[cell])
         ridges = ridges.some(np.flatnonzero(~fits))
     return np.array(found, np.uint32)
+
+
+def _within_reach(canvas: Canvas, cells: np.ndarray, cell: int) -> np.ndarray:
+    """Which pixels lie near one of them."""
+    row, col = canvas.places(cells)
+    own_row, own_col = canvas.places(np.asarray(cell))
+    return np.abs(row - own_row) + np.abs(col - own_col) <= _REACH
 
 
 def _mixed_near(canvas: Canvas, cell: int, colours: np.ndarray, labels: np.ndarray) -> bool:

@@ -78,7 +78,8 @@ def test_stops_rise_from_the_first_to_one():
 
 def test_a_flat_region_has_no_gradient():
     points = region()
-    assert fit_gradient(Samples(points, np.full((len(points), 3), 77.0), np.ones(len(points))), points) is None
+    grey = np.full((len(points), 3), 77.0)
+    assert fit_gradient(Samples(points, grey, np.ones(len(points))), points) is None
 
 
 def test_noise_is_no_gradient():
@@ -107,6 +108,21 @@ def test_pixels_of_something_else_do_not_matter():
     samples.colour[::40] = (0, 255, 0)
     off = colours_at(fit_gradient(samples, points), points) - colours_at(linear(17), points)
     assert np.abs(off).max() < 4
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_odd_regions_have_sound_gradients_or_none(seed):
+    """Few points, on a line, of any colours: whatever is found can be written and painted."""
+    random = np.random.RandomState(seed)
+    points = random.randint(0, 9, (random.randint(1, 40), 2)) * (1, seed % 2) + 0.5
+    colour = random.randint(0, 256, (len(points), 3 + seed % 2)).astype(float)
+    colour[:, :3] *= colour[:, 3:] / 255 if seed % 2 else 1
+    found = fit_gradient(Samples(points, colour, np.ones(len(points))), points)
+    if found is not None:
+        assert found.start != found.end
+        assert np.isfinite(colours_at(found, points)).all() and 2 <= len(found.stops) <= 4
+        offsets = [stop[0] for stop in found.stops]
+        assert offsets == sorted(set(offsets))
 
 
 def test_a_thin_bar_has_its_gradient_along_it():

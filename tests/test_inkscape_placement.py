@@ -133,10 +133,10 @@ def test_fit_refuses_what_has_no_area(box):
         fit(box, Box(0, 0, 10, 10), None)
 
 
-def placed(attributes, root="", before=""):
+def placed(attributes, before=""):
     """Where the only picture of a document of 10 x 10 px lies."""
-    svg = inkex.load_svg(f'<svg xmlns="http://www.w3.org/2000/svg" {root}>{before}<image {attributes}/></svg>')
-    return place(find_pictures(svg.getroot(), [])[0].chain, 10, 10)
+    tree = inkex.load_svg(f'<svg xmlns="http://www.w3.org/2000/svg">{before}<image {attributes}/></svg>')
+    return place(find_pictures(tree.getroot(), [])[0].chain, 10, 10)
 
 
 @pytest.mark.parametrize("transform", ["scale(0)", "translate(1e400)", "matrix(1e300 0 0 1e300 0 0)"])

@@ -22,7 +22,7 @@ GREEN = (0, 180, 40, 255)
 
 
 def painted(gradient, flat=GREEN):
-    """A ramp (label 0) in two halves, a flat bar (label 1) between, and a speck of another colour of the ramp's label."""
+    """A ramp (label 0) in two halves, a flat bar (label 1) between, and a white speck of label 0."""
     index = np.zeros((SIZE, SIZE), np.int32)
     index[:, 13:17] = 1
     row, col = np.mgrid[0:SIZE, 0:SIZE]
@@ -82,7 +82,8 @@ def test_only_gradients_without_translucent_stops_are_opaque():
     for gradient, opaque in ((OPAQUE, True), (FADING, False)):
         paints, planar = paints_of(*painted(gradient))
         assert (paints[planar.pixel_faces[15, 2]].opacity == 1) is opaque
-    nearly = replace(FADING, stops=((0.0, (200, 0, 0), 1.0), (0.999, (0, 99, 0), 1.0), (1.0, (0, 99, 0), 0.996)))
+    stops = ((0.0, (200, 0, 0), 1.0), (0.99, (0, 99, 0), 1.0), (1.0, (0, 99, 0), 0.996))
+    nearly = replace(FADING, stops=stops)
     image, labels = painted(OPAQUE)
     paints, planar = paints_of(image, replace(labels, gradients=(nearly, None)))
     assert all(paint.opacity < 1 for paint in paints if paint.gradient)
@@ -125,5 +126,5 @@ def test_offsets_are_the_gradients_less_their_means():
 
 
 def test_without_gradients_there_are_no_offsets():
-    paints, planar = paints_of(np.zeros((3, 4, 4), np.uint8), palette_labels(np.arange(12).reshape(3, 4) // 6))
-    assert gradient_offset(paints, planar) is None
+    labels = palette_labels(np.arange(12).reshape(3, 4) // 6)
+    assert gradient_offset(*paints_of(np.zeros((3, 4, 4), np.uint8), labels)) is None
