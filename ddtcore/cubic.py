@@ -19,6 +19,9 @@ LINE_SHARE = 0.6
 """A chord serves as a line if its points stray no further than this share of the tolerance."""
 
 
+SLIDE = 0.2
+"""How much a distance along the curve counts against one across it."""
+
 NEAR = 3.0
 """A cubic that misses the tolerance by no more than this factor may fit after more rounds."""
 
@@ -85,7 +88,7 @@ def fit_candidates(points: np.ndarray, weight: np.ndarray, first: np.ndarray, la
     control = bezier.from_line(ends.point[:, 0], ends.point[:, 1])
     curved = np.flatnonzero(~line)
     # A few rounds show what can't fit; what comes near is given more.
-    for rounds in (4, 12):
+    for rounds in (3, 6):
         if not len(curved):
             break
         fitted = _fit(points, weight, first[curved], last[curved], Ends(*(part[curved] for part in ends)), rounds)
@@ -101,11 +104,26 @@ def _fit(points: np.ndarray, weight: np.ndarray, first: np.ndarray, last: np.nda
     index, owner, heads = _ranges(first, last)
     target, w = points[index], weight[index]
     t = _chord_parameters(target, ends, owner, heads)
+    metric = np.broadcast_to(np.eye(2), (len(t), 2, 2))
     for _ in range(rounds):
-        fitted = _solve(target, w, t, owner, heads, ends)
+        fitted = _solve(target, w, t, owner, heads, ends, metric)
         t = bezier.reproject(fitted, owner, t, target)
+        metric = _across(bezier.derivative(fitted, owner, t))
     away = bezier.evaluate(fitted, owner, t) - target
     return (fitted, *_worst(np.hypot(away[:, 0], away[:, 1]), index, owner, heads, len(first)))
+
+
+def _across(tangent: np.ndarray) -> np.ndarray:
+    """Axes (N, 2, 2) that measure distances across the curve, and little of those along it.
+
+    A point may slide along the curve: with that left out, handles and parameters
+    converge together (tangent distance; Wang, Pottmann and Liu, "Fitting B-spline
+    curves to point clouds by curvature-based squared distance minimization", ACM TOG
+    25, 2006).
+    """
+    along = tangent / np.maximum(np.hypot(*tangent.T), 1e-9)[:, None]
+    across = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    return np.stack([across, SLIDE * along], axis=1)
 
 
 def _ranges(first: np.ndarray, last: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -156,16 +174,16 @@ def _chord_parameters(target: np.ndarray, ends: Ends, owner: np.ndarray, heads: 
 
 
 def _solve(target: np.ndarray, weight: np.ndarray, t: np.ndarray, owner: np.ndarray, heads: np.ndarray,
-           ends: Ends) -> np.ndarray:
+           ends: Ends, metric: np.ndarray) -> np.ndarray:
     """Least-squares handles: each a length along its tangent, and a little across at free ends."""
     m = len(heads)
     b = bezier.basis(t)
     chord = np.maximum(np.hypot(*(ends.point[:, 1] - ends.point[:, 0]).T), 1e-6)
     fixed = (b[:, :2].sum(1)[:, None] * ends.point[owner, 0] + b[:, 2:].sum(1)[:, None] * ends.point[owner, 1])
-    rest = target - fixed
+    rest = np.einsum("nkd,nd->nk", metric, target - fixed)
     across = np.stack([-ends.tangent[..., 1], ends.tangent[..., 0]], axis=-1)
     frame = np.stack([ends.tangent[:, 0], across[:, 0], ends.tangent[:, 1], across[:, 1]], axis=1)
-    columns = frame[owner] * b[:, [1, 1, 2, 2], None]
+    columns = np.einsum("nkd,njd->njk", metric, frame[owner]) * b[:, [1, 1, 2, 2], None]
     normal, right = np.zeros((m, 4, 4)), np.zeros((m, 4))
     filled = np.unique(owner)
     weighted = columns * weight[:, None, None]

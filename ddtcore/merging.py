@@ -65,7 +65,8 @@ def _ward_cost(a: np.ndarray, wa: np.ndarray, b: np.ndarray, wb: np.ndarray) -> 
     return square * (wa[:, None] * wb / (wa[:, None] + wb))
 
 
-def merge_specks(labels: Labels, area: float, spare: Optional[Callable] = None) -> Labels:
+def merge_specks(labels: Labels, area: float,
+                 spare: Optional[Callable[[np.ndarray, np.ndarray], np.ndarray]] = None) -> Labels:
     """Give small connected regions the label of the neighbour with the longest shared border.
 
     Parameters

@@ -137,6 +137,14 @@ def choose_colours(canvas: Canvas, plateaus: Plateaus, ramps: bool) -> np.ndarra
     return chosen if ramps else np.append(chosen, _elbow_colours(canvas, plateaus, chosen))[:MANY]
 
 
+def unmixed_colours(canvas: Canvas, plateaus: Plateaus, chosen: np.ndarray) -> np.ndarray:
+    """Packed colours of plateaus that a thin stroke could explain, but no stroke in colours already `chosen`."""
+    some = plateaus.keys[(plateaus.full == 0) & (plateaus.sound == 0)][:MANY]
+    colours, known = planes(some, canvas.opaque), planes(chosen, canvas.opaque)
+    alike = (np.abs(colours[:, :, None] - known[:, None]).max(axis=0) < LIKE).any(axis=1)
+    return some[~alike & ~is_mixed(colours, known)]
+
+
 def _elbow_colours(canvas: Canvas, plateaus: Plateaus, chosen: np.ndarray) -> np.ndarray:
     """Packed colours unlike those `chosen` that occur several times in three equal pixels round a corner.
 

@@ -68,8 +68,8 @@ def _nearest_colours(canvas: Canvas, most: int) -> np.ndarray:
     top = np.argsort(-count[used], kind="stable")[:_BINS]
     weight = count[used][top].astype(np.float64)
     group = ward_groups(points[top], weight, min(most, top.size))
-    centres = np.stack([np.bincount(group, weight * plane) for plane in points[top].T], axis=-1)
-    centres /= np.bincount(group, weight)[:, None]
+    sums = np.stack([np.bincount(group, weight * plane) for plane in points[top].T], axis=-1)
+    centres = sums / np.bincount(group, weight)[:, None]
     nearest = np.zeros(used.size, np.int32)
     least = np.full(used.size, np.inf)
     for k, centre in enumerate(centres):

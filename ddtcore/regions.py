@@ -78,6 +78,8 @@ def label_flat_art(canvas: Canvas) -> Labels:
     cells = canvas.cells(~plateaus.core & (slopes < 0))
     ridges = strokes.find_ridges(canvas, cells, noise)
     more = strokes.new_colours(canvas, cells, ridges, planes(keys, canvas.opaque), labels, noise)
+    if noise <= ROUNDING and not count:
+        more = np.append(more, palette.unmixed_colours(canvas, plateaus, np.append(keys, more)))
     if more.size:
         keys = np.append(keys, more)
         labels = palette.known_labels(canvas, plateaus, keys, noise)

@@ -6,6 +6,8 @@ from __future__ import annotations
 from typing import List, NamedTuple, Optional, Sequence
 
 import numpy as np
+from hypothesis import strategies as st
+from meshes import pictures
 
 from ddtcore.model import Labels, Mesh, PlanarMap, Polylines
 from ddtcore.options import TraceOptions
@@ -90,6 +92,20 @@ def picture(width: int, height: int, parts: Sequence[np.ndarray], colours=(WHITE
     image = np.rint(np.einsum("khw,kc->hwc", shares, palette)).astype(np.uint8)
     return Picture(image, Labels(np.argmax(shares, axis=0).astype(np.int32), palette,
                                  np.zeros((height, width), bool)))
+
+
+@st.composite
+def islands(draw) -> np.ndarray:
+    """Small pictures of two or three colours with a margin: outlines are rings, some with junctions."""
+    shape = draw(st.tuples(st.integers(3, 8), st.integers(3, 8)))
+    random = np.random.RandomState(draw(st.integers(0, 2 ** 32 - 1)))
+    index = np.pad(random.randint(0, draw(st.sampled_from([2, 2, 3])), shape), 1, mode="constant")
+    return np.array([WHITE, BLACK, RED], np.uint8)[index]
+
+
+def any_picture():
+    """Noise, whose outlines mostly meet in junctions, and islands, whose outlines are mostly rings."""
+    return st.one_of(pictures(), islands())
 
 
 class Placed(NamedTuple):

@@ -6,8 +6,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from hypothesis import given
-from meshes import exact_labels, pictures
-from pictures import BLACK, WHITE, Picture, disc, half_plane, picture, placed, rectangle, star, turned
+from meshes import exact_labels
+from pictures import any_picture, BLACK, WHITE, Picture, disc, half_plane, picture, placed, rectangle, star, turned
 
 from ddtcore.corner import Arclength, find_corners
 
@@ -73,7 +73,7 @@ def test_straight_lines_have_no_corners():
         assert len(corners_of(half_plane(CENTRE, degrees)).arc) == 0
 
 
-@given(pictures())
+@given(any_picture())
 def test_corners_of_any_picture_are_in_order_and_on_their_arcs(image):
     drawn = placed(Picture(image, exact_labels(image)))
     along = Arclength(drawn.lines, drawn.planar.rings)

@@ -6,8 +6,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from meshes import exact_labels, pictures
-from pictures import (BLACK, BLUE, RED, WHITE, Picture, away, disc, half_plane, picture, placed, rectangle, star,
+from meshes import exact_labels
+from pictures import (any_picture, BLACK, BLUE, RED, WHITE, Picture, away, disc, half_plane, picture, placed, rectangle, star,
                       turned)
 
 from ddtcore import bezier
@@ -85,7 +85,7 @@ def test_a_larger_tolerance_needs_fewer_segments():
     assert counts[0] > counts[1] >= counts[2]
 
 
-@given(pictures())
+@given(any_picture())
 @settings(max_examples=30)
 @pytest.mark.parametrize("changes", [{}, {"curves": "quadratic", "suppression": 1}, {"result": "outlines"}],
                          ids=["cubic", "quadratic", "outlines"])

@@ -6,8 +6,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from hypothesis import given
-from meshes import exact_labels, pictures
-from pictures import BLACK, BLUE, RED, WHITE, Picture, away, disc, half_plane, picture, placed, rectangle
+from meshes import exact_labels
+from pictures import any_picture, BLACK, BLUE, RED, WHITE, Picture, away, disc, half_plane, picture, placed, rectangle
 
 from ddtcore.options import TraceOptions
 from ddtcore.position import premultiplied
@@ -123,7 +123,7 @@ def assert_border_is_exact(drawn, width, height):
     assert {(0, 0), (width, 0), (width, height), (0, height)} <= set(corners)
 
 
-@given(pictures())
+@given(any_picture())
 @pytest.mark.parametrize("options", [TraceOptions(), BARYCENTRES], ids=lambda o: o.positions)
 def test_any_picture_gets_sound_polylines(options, image):
     height, width = image.shape[:2]

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from meshes import exact_labels, pictures
-from pictures import Picture, placed
+from meshes import exact_labels
+from pictures import any_picture, Picture, placed
 
 from ddtcore.model import LINE, QUADRATIC, PlanarMap, Polylines
 from ddtcore.options import TraceOptions
@@ -49,7 +49,7 @@ def expected_controls(points, ring, suppression):
     return kept
 
 
-@given(pictures(), st.integers(0, 3))
+@given(any_picture(), st.integers(0, 3))
 def test_segments_join_and_close(image, suppression):
     drawn = outlines(image)
     for curves in (fit_quadratics(drawn.planar, drawn.lines, suppression), polygons(drawn.planar, drawn.lines)):
@@ -65,7 +65,7 @@ def test_segments_join_and_close(image, suppression):
                 assert np.array_equal(control[[0, -1], [0, 3]], points[[0, -1]])
 
 
-@given(pictures())
+@given(any_picture())
 def test_all_points_that_bend_are_control_points_in_their_order(image):
     drawn = outlines(image)
     curves = fit_quadratics(drawn.planar, drawn.lines, 0)
@@ -80,7 +80,7 @@ def test_all_points_that_bend_are_control_points_in_their_order(image):
         assert np.array_equal(control[:, 1], control[:, 2]) and (degree == QUADRATIC).all()
 
 
-@given(pictures(), st.integers(0, 3))
+@given(any_picture(), st.integers(0, 3))
 def test_joints_lie_half_way_between_control_points(image, suppression):
     """Then the reflection of one control point in the joint is the next: T alone says it all."""
     drawn = outlines(image)
@@ -94,7 +94,7 @@ def test_joints_lie_half_way_between_control_points(image, suppression):
                 assert np.array_equal(control[-1, 3], (control[-1, 1] + control[0, 1]) / 2)
 
 
-@given(pictures(), st.integers(1, 4))
+@given(any_picture(), st.integers(1, 4))
 def test_suppression_keeps_one_in_so_many_but_never_less_than_an_area(image, suppression):
     drawn = outlines(image)
     curves = fit_quadratics(drawn.planar, drawn.lines, suppression)

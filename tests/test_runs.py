@@ -6,8 +6,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from hypothesis import given
-from meshes import exact_labels, pictures
-from pictures import BLACK, BLUE, RED, WHITE, Picture, away, disc, half_plane, picture, placed, rectangle, turned
+from meshes import exact_labels
+from pictures import any_picture, BLACK, BLUE, RED, WHITE, Picture, away, disc, half_plane, picture, placed, rectangle, turned
 
 from ddtcore.corner import Arclength, find_corners
 from ddtcore.runs import CLEAR, cut_at_knots, end_lines
@@ -37,7 +37,7 @@ def sectors(centre, first, second, third):
     return [wedge(first, second), wedge(second, third)]
 
 
-@given(pictures())
+@given(any_picture())
 def test_the_runs_of_any_picture_are_chains_from_knot_to_knot(image):
     outlines, _, runs = cut(Picture(image, exact_labels(image)))
     planar = outlines.planar
@@ -58,7 +58,7 @@ def test_the_runs_of_any_picture_are_chains_from_knot_to_knot(image):
     assert (shared[:len(planar.junctions)] == 3).all() and (shared[len(planar.junctions):] == 2).all()
 
 
-@given(pictures())
+@given(any_picture())
 def test_runs_are_made_of_points_of_their_arcs_each_used_once(image):
     outlines, _, runs = cut(Picture(image, exact_labels(image)))
     for arc in range(len(outlines.planar.tail)):
@@ -126,7 +126,7 @@ def test_t_junctions_too():
     assert len(inside) == 2 and distance.max() < 0.1
 
 
-@given(pictures())
+@given(any_picture())
 def test_junctions_on_the_border_stay_where_they_are(image):
     outlines, _, runs = cut(Picture(image, exact_labels(image)))
     size = np.array([image.shape[1], image.shape[0]], float)

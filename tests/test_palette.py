@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Which colours of a picture are real, and which pixels surely have them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from artwork import CARTOON, box, colours_of, disc, draw, everywhere, half_plane, paint, rasterise, stroke
+
+from ddtcore import palette
+from ddtcore.canvas import prepare, unpack
+
+WHITE, BLACK, GREY = (255, 255, 255, 255), (0, 0, 0, 255), (128, 128, 128, 255)
+
+
+def look(image):
+    """The canvas of a picture, its plateaus and the colours chosen, as tuples."""
+    canvas = prepare(image)
+    plateaus = palette.find_plateaus(canvas, np.zeros(canvas.shape, bool))
+    keys = palette.choose_colours(canvas, plateaus, False)
+    return canvas, plateaus, keys
+
+
+def chosen(image):
+    return set(map(tuple, unpack(look(image)[2]).tolist()))
+
+
+def test_core_is_every_pixel_in_an_equal_block():
+    image = unpack(np.random.RandomState(3).randint(0, 2, (30, 40)).astype(np.uint32) | np.uint32(255 << 24))
+    _, plateaus, _ = look(image)
+    same = (image[1:, 1:] == image[:-1, :-1]) & (image[1:, 1:] == image[1:, :-1]) & (image[1:, 1:] == image[:-1, 1:])
+    expected = np.zeros((30, 40), bool)
+    for row, col in np.argwhere(same.all(axis=-1)):
+        expected[row:row + 2, col:col + 2] = True
+    np.testing.assert_array_equal(plateaus.core, expected)
+    assert plateaus.counts.sum() == expected.sum()
+
+
+def test_a_plateau_of_four_pixels_counts():
+    layers = [(WHITE, everywhere), (BLACK, disc(30, 30, 12)), ((20, 160, 60, 255), box(50, 50, 52, 52))]
+    assert chosen(draw(60, 60, layers)) == colours_of(layers)
+
+
+@pytest.mark.parametrize("top", [10, 10.25, 10.5])
+def test_straight_strokes_make_no_colours_of_their_mixes(top):
+    """A stroke one pixel wide that covers two rows by half leaves blocks of equal grey pixels."""
+    layers = [(WHITE, everywhere), (BLACK, disc(40, 40, 12)), (BLACK, box(4, top, 56, top + 1)),
+              (BLACK, box(top, 14, top + 1, 50))]
+    assert chosen(draw(60, 60, layers)) == {WHITE, BLACK}
+
+
+def test_a_narrow_ring_of_a_mixed_colour_is_real():
+    layers = [(WHITE, everywhere), (BLACK, disc(30, 30, 22)), (GREY, disc(30.2, 30.1, 12)), (BLACK, disc(30.2, 30.1, 8.8))]
+    assert chosen(draw(60, 60, layers)) == {WHITE, BLACK, GREY}
+
+
+def test_a_narrow_ring_without_plateaus_is_real_too():
+    layers = [(WHITE, everywhere), (BLACK, disc(30, 30, 14)), (GREY, disc(30, 30, 6)), (BLACK, disc(30, 30, 3.6))]
+    assert chosen(draw(60, 60, layers)) == {WHITE, BLACK, GREY}
+
+
+def test_colours_that_differ_by_one_level_both_count():
+    layers = [((12, 12, 12, 255), everywhere), ((13, 14, 13, 255), half_plane(30, 30, 0.3)), (WHITE, disc(30, 30, 9))]
+    assert chosen(draw(60, 60, layers)) == colours_of(layers)
+
+
+def test_mixes_of_others():
+    line = np.array([[0, 255, 128, 60, 255], [0, 255, 128, 200, 0], [0, 255, 128, 90, 0]], np.float32)
+    np.testing.assert_array_equal(palette.is_mixed(line, line), [False, False, True, False, False])
+
+
+def test_known_pixels_have_that_colour():
+    points = paint(96, 96, CARTOON)
+    canvas, plateaus, keys = look(rasterise(points))
+    labels = canvas.bare(palette.known_labels(canvas, plateaus, keys, 2.0))
+    known = labels >= 0
+    assert known[plateaus.core].all()
+    off = unpack(keys)[labels[known]].astype(int) - rasterise(points)[known]
+    assert np.abs(off).max() <= 2
+    rim = palette.known_labels(canvas, plateaus, keys, 2.0).reshape(-1, canvas.stride)
+    assert (rim[:3] == -1).all() and (rim[:, -3:] == -1).all()
+
+
+def test_mixes_on_edges_are_not_taken_for_the_grey_they_equal():
+    """A half covered pixel between black and white is no pixel of the grey box elsewhere."""
+    layers = [(WHITE, everywhere), (GREY, box(40, 40, 56, 56)), (BLACK, box(10.5, 10, 25, 30)),
+              (BLACK, stroke(30, 8, 0.4, 6, 9))]
+    canvas, plateaus, keys = look(draw(60, 60, layers))
+    labels = canvas.bare(palette.known_labels(canvas, plateaus, keys, 2.0))
+    grey = labels == list(keys).index(pack_one(GREY))
+    assert grey[40:56, 40:56].all() and grey.sum() == 256
+
+
+def pack_one(colour):
+    return int(prepare(np.array([[colour]], np.uint8)).keys[0])
+
+
+def test_many_colours_are_bounded():
+    y, x = np.mgrid[:60, :60] // 3
+    image = np.stack([x * 12, y * 12, x * y % 256, np.full_like(x, 255)], axis=-1).astype(np.uint8)
+    _, _, keys = look(image)
+    assert palette.MANY >= keys.size > 200

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Thin strokes: where they are found, and which colour they get."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from artwork import disc, draw, everywhere, half_plane, stroke
+
+from ddtcore import palette, strokes
+from ddtcore.canvas import planes, prepare, unpack
+
+WHITE, BLACK, RED = (255, 255, 255, 255), (0, 0, 0, 255), (200, 30, 40, 255)
+ANGLES = [0, 0.2, 0.7, np.pi / 4, 1.2, np.pi / 2, 2.2]
+
+
+def ridges_of(image):
+    """Canvas, colours, known labels and ridges of a picture."""
+    canvas = prepare(image)
+    plateaus = palette.find_plateaus(canvas, np.zeros(canvas.shape, bool))
+    keys = palette.choose_colours(canvas, plateaus, False)
+    labels = palette.known_labels(canvas, plateaus, keys, 2.0)
+    return canvas, keys, labels, strokes.find_ridges(canvas, canvas.cells(~plateaus.core), 2.0)
+
+
+@pytest.mark.parametrize("angle", ANGLES)
+def test_one_edge_has_no_ridges(angle):
+    """Across an edge between two colours nothing stands out, at whatever angle."""
+    image = draw(40, 40, [(RED, everywhere), ((30, 60, 200, 255), half_plane(20.3, 20.1, angle))])
+    assert ridges_of(image)[3].cells.size == 0
+
+
+def test_large_discs_have_no_ridges():
+    image = draw(80, 80, [(WHITE, everywhere), (BLACK, disc(40.2, 39.7, 30))])
+    assert ridges_of(image)[3].cells.size == 0
+
+
+@pytest.mark.parametrize("angle", ANGLES)
+@pytest.mark.parametrize("width", [0.7, 1.0, 1.4])
+def test_every_step_along_a_stroke_has_a_ridge(angle, width):
+    image = draw(60, 60, [(WHITE, everywhere), (BLACK, half_plane(30.3, 30.1, angle)),
+                          (RED, stroke(30.3, 30.1, angle, width, 40))])
+    canvas, _, _, ridges = ridges_of(image)
+    row, col = canvas.places(ridges.cells)
+    steps = col if abs(np.cos(angle)) > abs(np.sin(angle)) else row
+    assert set(range(5, 55)) <= set(steps.tolist())
+    across = (row + 0.5 - 30.1) * np.cos(angle) - (col + 0.5 - 30.3) * np.sin(angle)
+    assert np.abs(across).max() < 1.5
+
+
+def test_ridges_stand_out_by_their_excess():
+    image = draw(60, 60, [(WHITE, everywhere), (BLACK, stroke(30.3, 30.1, 0.5, 1.0, 20))])
+    canvas, _, _, ridges = ridges_of(image)
+    np.testing.assert_allclose(ridges.colour, canvas.colours(ridges.cells))
+    assert (ridges.height > strokes.LEAST).all()
+    some = ridges.some(np.array([3, 5]))
+    np.testing.assert_array_equal(some.height, ridges.height[[3, 5]])
+
+
+@pytest.mark.parametrize("sides", [(WHITE, WHITE), (WHITE, BLACK), ((255, 208, 32, 255), (32, 80, 208, 255))])
+def test_the_stroke_gets_its_colour_not_one_nearby(sides):
+    """Brown, the mix of the red stroke with what lies beside it, stands ready in the palette and near."""
+    one, other = sides
+    for angle in ANGLES:
+        image = draw(60, 60, [(one, everywhere), (other, half_plane(30.3, 30.1, angle)),
+                              (RED, stroke(30.3, 30.1, angle, 1.0, 20)), (RED, disc(6, 6, 4)),
+                              ((228, 142, 148, 255), disc(54, 6, 4)), ((100, 15, 20, 255), disc(54, 54, 4))])
+        canvas, keys, labels, ridges = ridges_of(image)
+        label, share = strokes.stroke_labels(canvas, ridges, planes(keys, True), labels, 2.0)
+        row, col = canvas.places(ridges.cells)
+        along = (col - 30) * np.cos(angle) + (row - 30) * np.sin(angle)
+        own = (np.hypot(row - 30, col - 30) < 16) & (np.abs(along) < 16)
+        assert (unpack(keys)[label[own]] == RED).all()
+        assert ((share[own] > 0.2) & (share[own] <= 1)).all()
+
+
+def test_new_colour_is_exact_where_it_is_ever_fully_covered():
+    image = draw(90, 90, [((255, 192, 128, 255), everywhere), (BLACK, disc(30, 30, 12)),
+                          ((184, 0, 0, 255), stroke(60, 50, 0.7, 1.5, 20))])
+    canvas, keys, labels, ridges = ridges_of(image)
+    cells = canvas.cells(canvas.bare(labels) < 0)
+    known = planes(keys, True)
+    found = strokes.new_colours(canvas, cells, ridges, known, labels, 2.0)
+    assert {(184, 0, 0, 255)} == set(map(tuple, unpack(np.append(found, keys[:0])).tolist())) \
+        or (184, 0, 0, 255) in set(map(tuple, unpack(keys).tolist()))
+
+
+def test_no_new_colours_where_the_palette_explains_all():
+    image = draw(90, 90, [(WHITE, everywhere), (BLACK, disc(30, 30, 12))]
+                 + [(BLACK, stroke(60, 50, angle, 1.0, 20)) for angle in ANGLES])
+    canvas, keys, labels, ridges = ridges_of(image)
+    cells = canvas.cells(canvas.bare(labels) < 0)
+    assert not strokes.new_colours(canvas, cells, ridges, planes(keys, True), labels, 2.0).size
+
+
+def test_lone_corners():
+    stride = 7
+    labels = np.zeros((6, stride), int)
+    labels[3:5, 3:5] = 1  # an area with one stroke pixel at its corner, and a stroke of two
+    labels[2, 2] = labels[1, 4] = labels[2, 5] = 1
+    thin = np.zeros(labels.shape, bool)
+    thin[2, 2] = thin[1, 4] = thin[2, 5] = True
+    cells = np.flatnonzero(thin)
+    lone = strokes.lone_corners(labels.ravel(), thin.ravel(), cells, stride)
+    np.testing.assert_array_equal(lone, cells == 2 * stride + 2)
+
+
+def test_no_ridges_and_no_colours_give_no_labels():
+    image = np.full((9, 9, 4), 200, np.uint8)
+    canvas, keys, labels, ridges = ridges_of(image)
+    label, share = strokes.stroke_labels(canvas, ridges, planes(keys, canvas.opaque), labels, 2.0)
+    assert label.shape == share.shape == (0,)
