@@ -11,8 +11,8 @@ from typing import List, Tuple
 
 import numpy as np
 
-from .canvas import Canvas, count_keys, planes
-from .palette import Plateaus
+from .canvas import Canvas, count_keys, planes, unpack
+from .palette import Plateaus, is_mixed
 from .sides import window
 
 ROUNDING = 2.0
@@ -73,35 +73,50 @@ def noisy_colours(canvas: Canvas, plateaus: Plateaus, noise: float) -> np.ndarra
     """The packed colours of a noisy picture: those of large plateaus, then others that fill areas.
 
     What lies near a colour already found is taken for a variation of it: plateaus
-    within `noise`; and within twice that, pixels that vary within 3 x 3 by no more than it.
+    within `noise`, other pixels within twice that.  These have to be flat within 3 x 3,
+    the more so where other colours mix to theirs.
     """
     least = max(_WIDE, 0.0002 * plateaus.core.size)
     found = _unlike(canvas, plateaus.keys[(plateaus.full >= least) | (plateaus.counts >= 4 * least)], noise)
     cells = canvas.cells(np.ones(canvas.shape, bool))
     cells = cells[::max(1, cells.size // _VOTES)]
-    keys = canvas.keys[cells[_spans(canvas, cells) <= noise]]
+    keys, spans = canvas.keys[cells], _spans(canvas, cells)
+    flat = spans <= 2 * noise
     for known in found:
-        keys = keys[_apart(canvas, keys, known) > 2 * noise]
+        flat &= _apart(canvas, keys, known) > 2 * noise
+    keys, spans = keys[flat], spans[flat]
     while keys.size and len(found) < _MANY:
         values, counts = np.unique(keys, return_counts=True)
         mode = values[np.argmax(counts)]
-        off = _apart(canvas, keys, mode)
-        if np.count_nonzero(off <= noise) >= _FEW:
-            found.append(mode)
-        keys = keys[off > 2 * noise]
+        alike = _apart(canvas, keys, mode) <= noise
+        centre = _centre(keys[alike])
+        mixed = is_mixed(*(planes(np.array(some, np.uint32), canvas.opaque) for some in ([centre], found)))[0]
+        if np.count_nonzero(alike & (spans <= noise) if mixed else alike) >= _FEW:
+            found.append(centre)
+        far = _apart(canvas, keys, mode) > 2 * noise
+        keys, spans = keys[far], spans[far]
     return np.array(found, np.uint32)
 
 
-def _unlike(canvas: Canvas, keys: np.ndarray, margin: float) -> List[int]:
+def _centre(keys: np.ndarray) -> np.uint32:
+    """The median colour of packed ones; 0 or 255 in channels where many values are clipped there."""
+    rgba = unpack(keys)
+    middle = np.median(rgba, axis=0).astype(np.uint8)
+    for end in (0, 255):
+        middle[(rgba == end).mean(axis=0) > 0.25] = end
+    return np.uint32(middle.view(np.uint32)[0])
+
+
+def _unlike(canvas: Canvas, keys: np.ndarray, margin: float) -> List[np.uint32]:
     """The packed colours that differ by more than a margin from all before them."""
-    found: List[int] = []
+    found: List[np.uint32] = []
     while keys.size and len(found) < _MANY:
         found.append(keys[0])
         keys = keys[_apart(canvas, keys, keys[0]) > margin]
     return found
 
 
-def _apart(canvas: Canvas, keys: np.ndarray, key: int) -> np.ndarray:
+def _apart(canvas: Canvas, keys: np.ndarray, key: np.uint32) -> np.ndarray:
     """Largest difference of a channel between packed colours and one of them."""
     return np.abs(planes(keys, canvas.opaque) - planes(np.array([key], np.uint32), canvas.opaque)).max(axis=0)
 

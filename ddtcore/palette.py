@@ -138,7 +138,7 @@ def choose_colours(canvas: Canvas, plateaus: Plateaus, ramps: bool) -> np.ndarra
 
 
 def unmixed_colours(canvas: Canvas, plateaus: Plateaus, chosen: np.ndarray) -> np.ndarray:
-    """Packed colours of plateaus that a thin stroke could explain, but no stroke in colours already `chosen`."""
+    """Packed colours of plateaus that a thin stroke could explain, but none in colours already `chosen`."""
     some = plateaus.keys[(plateaus.full == 0) & (plateaus.sound == 0)][:MANY]
     colours, known = planes(some, canvas.opaque), planes(chosen, canvas.opaque)
     alike = (np.abs(colours[:, :, None] - known[:, None]).max(axis=0) < LIKE).any(axis=1)

@@ -24,7 +24,7 @@ from .threshold import label_steps
 MANY = 40
 """Most colours for a picture without flat ones."""
 
-DITHER = 0.01
+DITHER = 0.003
 """Share of specks among the pixels that are no plateaus, from which a picture counts as dithered."""
 
 CONTRAST = 48.0
@@ -92,7 +92,7 @@ def label_flat_art(canvas: Canvas) -> Labels:
     thin, specks = _label_unknown(canvas, labels, ridges, keys, colours, noise)
     result = Labels(index=np.ascontiguousarray(canvas.bare(labels)), palette=colours,
                     thin=np.ascontiguousarray(canvas.bare(thin)), ramp=np.arange(len(colours)) >= keys.size)
-    if specks > DITHER * cells.size + 25:
+    if specks > DITHER * cells.size + 10:
         return merging.merge_specks(result, SPECK)
     return _merge_ripples(canvas, result, noise) if rippled else merging.drop_unused(result)
 

@@ -81,7 +81,8 @@ class Picture(NamedTuple):
     labels: Labels
 
 
-def picture(width: int, height: int, parts: Sequence[np.ndarray], colours=(WHITE, BLACK, RED, BLUE)) -> Picture:
+def picture(width: int, height: int, parts: Sequence[np.ndarray],
+            colours=(WHITE, BLACK, RED, BLUE)) -> Picture:
     """Polygons that don't overlap, on paper of the first colour.
 
     Pixels get the label of the largest part in them; alpha must be the same everywhere.
@@ -127,6 +128,11 @@ def placed(drawn: Picture, options: Optional[TraceOptions] = None) -> Placed:
     mesh = triangulate(drawn.image, drawn.labels, options)
     planar = link_outlines(mesh, drawn.labels)
     return Placed(mesh, planar, place(drawn.image, drawn.labels, mesh, planar, options))
+
+
+def apart(points: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Distances (N, M) between points and others."""
+    return np.hypot(*(np.asarray(points)[:, None] - others).transpose(2, 0, 1))
 
 
 def away(points: np.ndarray, polygon: np.ndarray) -> np.ndarray:

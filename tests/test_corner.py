@@ -7,7 +7,20 @@ import numpy as np
 import pytest
 from hypothesis import given
 from meshes import exact_labels
-from pictures import any_picture, BLACK, WHITE, Picture, disc, half_plane, picture, placed, rectangle, star, turned
+from pictures import (
+    BLACK,
+    WHITE,
+    Picture,
+    any_picture,
+    apart,
+    disc,
+    half_plane,
+    picture,
+    placed,
+    rectangle,
+    star,
+    turned,
+)
 
 from ddtcore.corner import Arclength, find_corners
 
@@ -22,7 +35,7 @@ def corners_of(polygon, angle=30.0, colours=(WHITE, BLACK)):
 
 def assert_corners_at(polygon, within=0.2, **settings):
     found = corners_of(polygon, **settings).point
-    distance = np.hypot(*(found[:, None] - polygon).transpose(2, 0, 1))
+    distance = apart(found, polygon)
     assert len(found) == len(polygon)
     assert distance.min(axis=0).max() < within
     assert sorted(distance.argmin(axis=1).tolist()) == list(range(len(polygon)))
@@ -64,8 +77,9 @@ def test_circles_have_no_corners(radius, centre):
 
 def test_ellipses_have_no_corners():
     angle = np.arange(720) * np.pi / 360
+    ellipse = np.stack([20 * np.cos(angle), 11 * np.sin(angle)], axis=1)
     for degrees in (0, 20, 45):
-        assert len(corners_of(turned(np.stack([20 * np.cos(angle), 11 * np.sin(angle)], axis=1), degrees, CENTRE)).arc) == 0
+        assert len(corners_of(turned(ellipse, degrees, CENTRE)).arc) == 0
 
 
 def test_straight_lines_have_no_corners():

@@ -14,11 +14,11 @@ WHITE, BLACK, GREY = (255, 255, 255, 255), (0, 0, 0, 255), (128, 128, 128, 255)
 
 
 def look(image):
-    """The canvas of a picture, its plateaus and the colours chosen, as tuples."""
+    """The canvas of a picture, its plateaus and the colours chosen."""
     canvas = prepare(image)
     plateaus = palette.find_plateaus(canvas, np.zeros(canvas.shape, bool))
     keys = palette.choose_colours(canvas, plateaus, False)
-    return canvas, plateaus, keys
+    return canvas, plateaus, np.append(keys, palette.unmixed_colours(canvas, plateaus, keys))
 
 
 def chosen(image):
@@ -28,7 +28,8 @@ def chosen(image):
 def test_core_is_every_pixel_in_an_equal_block():
     image = unpack(np.random.RandomState(3).randint(0, 2, (30, 40)).astype(np.uint32) | np.uint32(255 << 24))
     _, plateaus, _ = look(image)
-    same = (image[1:, 1:] == image[:-1, :-1]) & (image[1:, 1:] == image[1:, :-1]) & (image[1:, 1:] == image[:-1, 1:])
+    last = image[1:, 1:]
+    same = (last == image[:-1, :-1]) & (last == image[1:, :-1]) & (last == image[:-1, 1:])
     expected = np.zeros((30, 40), bool)
     for row, col in np.argwhere(same.all(axis=-1)):
         expected[row:row + 2, col:col + 2] = True
@@ -50,17 +51,20 @@ def test_straight_strokes_make_no_colours_of_their_mixes(top):
 
 
 def test_a_narrow_ring_of_a_mixed_colour_is_real():
-    layers = [(WHITE, everywhere), (BLACK, disc(30, 30, 22)), (GREY, disc(30.2, 30.1, 12)), (BLACK, disc(30.2, 30.1, 8.8))]
+    layers = [(WHITE, everywhere), (BLACK, disc(30, 30, 22)), (GREY, disc(30.2, 30.1, 12)),
+              (BLACK, disc(30.2, 30.1, 8.8))]
     assert chosen(draw(60, 60, layers)) == {WHITE, BLACK, GREY}
 
 
 def test_a_narrow_ring_without_plateaus_is_real_too():
-    layers = [(WHITE, everywhere), (BLACK, disc(30, 30, 14)), (GREY, disc(30, 30, 6)), (BLACK, disc(30, 30, 3.6))]
+    layers = [(WHITE, everywhere), (BLACK, disc(30, 30, 14)), (GREY, disc(30, 30, 6)),
+              (BLACK, disc(30, 30, 3.6))]
     assert chosen(draw(60, 60, layers)) == {WHITE, BLACK, GREY}
 
 
 def test_colours_that_differ_by_one_level_both_count():
-    layers = [((12, 12, 12, 255), everywhere), ((13, 14, 13, 255), half_plane(30, 30, 0.3)), (WHITE, disc(30, 30, 9))]
+    layers = [((12, 12, 12, 255), everywhere), ((13, 14, 13, 255), half_plane(30, 30, 0.3)),
+              (WHITE, disc(30, 30, 9))]
     assert chosen(draw(60, 60, layers)) == colours_of(layers)
 
 

@@ -29,8 +29,8 @@ def loop(nodes, handles, smooth, line) -> Wire:
     """A closed wire round ink, which lies on the right."""
     n = len(nodes)
     ends = np.stack([np.arange(n), (np.arange(n) + 1) % n], axis=1)
-    return Wire(np.array(nodes, float), np.zeros((n, 2), bool), ends, np.array(handles, float), np.full(n, smooth),
-                np.full(n, line), np.tile(-INK, (n, 1)))
+    return Wire(np.array(nodes, float), np.zeros((n, 2), bool), ends, np.array(handles, float),
+                np.full(n, smooth), np.full(n, line), np.tile(-INK, (n, 1)))
 
 
 def circle(centre, radius) -> Wire:
@@ -98,7 +98,7 @@ def test_thin_strokes_get_their_width():
     """No pixel of a stroke of 0.8 px is full: both sides are found together."""
     truth = rectangle(CENTRE, 25, 0.8, 20)
     image = pixels(coverage(truth, 40, 40))
-    fine = polished(polygon(rectangle(CENTRE + [0.1, -0.1], 25.3, 1.3, 21)), image, 10)
+    fine = polished(polygon(rectangle((20.4, 19.5), 25.3, 1.3, 21)), image, 10)
     sides = np.hypot(*(np.roll(fine.nodes, -1, axis=0) - fine.nodes).T)
     assert sides[[1, 3]] == pytest.approx(0.8, abs=0.03)
     assert rms(away(outline(fine), truth)) < 0.02
@@ -107,8 +107,9 @@ def test_thin_strokes_get_their_width():
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("rounds", [1, 2, 3])
 def test_the_picture_is_never_explained_worse(seed, rounds):
-    image = pixels(coverage(star(CENTRE, 15, 9, 5, 11 * seed), 40, 40))
-    for rough in (disturbed(circle(CENTRE, 12), seed), disturbed(polygon(star(CENTRE, 15, 9, 5, 11 * seed)), seed, 0.5)):
+    truth = star(CENTRE, 15, 9, 5, 11 * seed)
+    image = pixels(coverage(truth, 40, 40))
+    for rough in (disturbed(circle(CENTRE, 12), seed), disturbed(polygon(truth), seed, 0.5)):
         assert misfit(polished(rough, image, rounds), image) <= 1.02 * misfit(rough, image)
 
 
@@ -157,7 +158,9 @@ def divided(top, bottom, left=(255, 60, 0, 255), right=(20, 90, 250, 255)):
 
 def test_nodes_on_the_border_of_the_picture_stay_there_and_glide_along_it():
     image, truth = divided(12.3, 17.8)
-    rough = truth._replace(nodes=truth.nodes + np.array([(0.6, 0), (0, 0), (0, 0), (-0.7, 0), (0, 0), (0, 0)]))
+    nodes = truth.nodes.copy()
+    nodes[[0, 3], 0] += [0.6, -0.7]
+    rough = truth._replace(nodes=nodes)
     fine = polished(rough, image, 6)
     assert np.array_equal(fine.nodes[truth.fixed], truth.nodes[truth.fixed])
     assert np.abs(fine.nodes - truth.nodes).max() < 0.01
@@ -182,3 +185,12 @@ def test_pictures_that_no_curve_explains_do_no_harm(seed):
     assert np.isfinite(fine.nodes).all() and np.isfinite(fine.handles).all()
     # A round moves a node by a pixel at most.
     assert np.hypot(*(fine.nodes - rough.nodes).T).max() <= 4 + 1e-9
+
+
+def test_a_step_that_makes_things_worse_is_taken_back():
+    """In noise some steps do: then one more round gives the very same wire."""
+    random = np.random.RandomState(2)
+    image = random.randint(0, 256, (40, 40, 4)).astype(np.uint8)
+    rough = disturbed(circle(CENTRE, 12), 2)
+    nodes = [polished(rough, image, rounds).nodes for rounds in range(9)]
+    assert any(np.array_equal(one, other) for one, other in zip(nodes, nodes[1:]))

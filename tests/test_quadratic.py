@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from meshes import exact_labels
-from pictures import any_picture, Picture, placed
+from pictures import Picture, any_picture, placed
 
 from ddtcore.model import LINE, QUADRATIC, PlanarMap, Polylines
 from ddtcore.options import TraceOptions
@@ -28,7 +28,7 @@ def segments(curves, arc):
 
 def without_collinear(points, ring):
     """Points of an arc that bend, by exact arithmetic in sixths."""
-    whole = [tuple(int(round(6 * v)) for v in point) for point in points]
+    whole = [tuple(round(6 * v) for v in point) for point in points]
     kept = []
     for k, (x, y) in enumerate(whole):
         if not ring and k in (0, len(whole) - 1):
@@ -40,19 +40,11 @@ def without_collinear(points, ring):
     return points[kept]
 
 
-def expected_controls(points, ring, suppression):
-    """Control points that remain of an arc."""
-    kept = without_collinear(points, ring)
-    if ring:
-        thinned = kept[::suppression + 1]
-        return thinned if len(thinned) >= 3 else kept
-    return kept
-
-
 @given(any_picture(), st.integers(0, 3))
 def test_segments_join_and_close(image, suppression):
     drawn = outlines(image)
-    for curves in (fit_quadratics(drawn.planar, drawn.lines, suppression), polygons(drawn.planar, drawn.lines)):
+    for curves in (fit_quadratics(drawn.planar, drawn.lines, suppression),
+                   polygons(drawn.planar, drawn.lines)):
         assert curves.starts[0] == 0 and curves.starts[-1] == len(curves.control) == len(curves.degree)
         for arc, ring in enumerate(drawn.planar.rings):
             control, degree = segments(curves, arc)
@@ -71,7 +63,7 @@ def test_all_points_that_bend_are_control_points_in_their_order(image):
     curves = fit_quadratics(drawn.planar, drawn.lines, 0)
     for arc in drawn.inner():
         ring = bool(drawn.planar.rings[arc])
-        points = expected_controls(drawn.arc(arc), ring, 0)
+        points = without_collinear(drawn.arc(arc), ring)
         control, degree = segments(curves, arc)
         if degree[0] == LINE:
             assert len(points) == 2 and np.array_equal(control[0, [0, 3]], points)
@@ -116,15 +108,16 @@ def test_suppression_keeps_one_in_so_many_but_never_less_than_an_area(image, sup
 def one_arc(points, ring):
     """A map of nothing but one arc between two regions."""
     end, none = np.array([-1 if ring else 0], np.int32), np.zeros(0, np.int32)
-    planar = PlanarMap(np.zeros(2, int), none, end, end, np.array([1]), np.array([2]), none, np.zeros(3, np.int32),
-                       np.zeros((1, 1), np.int32))
+    planar = PlanarMap(np.zeros(2, int), none, end, end, np.array([1]), np.array([2]), none,
+                       np.zeros(3, np.int32), np.zeros((1, 1), np.int32))
     points = np.array(points, float) / 3
     return planar, Polylines(np.array([0, len(points)]), points, np.ones(len(points)), np.zeros(1))
 
 
 @pytest.mark.parametrize("ring", [True, False])
 def test_points_amid_straight_lines_are_left_out(ring):
-    thirds = [(0, 0), (2, 0), (4, 0), (5, 0), (7, 1), (9, 2), (13, 4), (13, 7), (13, 8), (10, 8), (1, 8), (0, 8)]
+    thirds = [(0, 0), (2, 0), (4, 0), (5, 0), (7, 1), (9, 2), (13, 4), (13, 7), (13, 8), (10, 8), (1, 8),
+              (0, 8)]
     curves = fit_quadratics(*one_arc(thirds, ring), 0)
     bends = np.array([(0, 0), (5, 0), (13, 4), (13, 8), (0, 8)]) / 3
     assert np.array_equal(curves.control[:, 1], bends if ring else bends[1:-1])

@@ -7,7 +7,22 @@ import numpy as np
 import pytest
 from hypothesis import given
 from meshes import exact_labels
-from pictures import any_picture, BLACK, BLUE, RED, WHITE, Picture, away, disc, half_plane, picture, placed, rectangle, turned
+from pictures import (
+    BLACK,
+    BLUE,
+    RED,
+    WHITE,
+    Picture,
+    any_picture,
+    apart,
+    away,
+    disc,
+    half_plane,
+    picture,
+    placed,
+    rectangle,
+    turned,
+)
 
 from ddtcore.corner import Arclength, find_corners
 from ddtcore.runs import CLEAR, cut_at_knots, end_lines
@@ -66,7 +81,8 @@ def test_runs_are_made_of_points_of_their_arcs_each_used_once(image):
         taken = [tuple(p) for run in np.flatnonzero(runs.arc == arc) for p in used(runs, run)]
         assert set(taken) <= set(points)
         assert len(taken) <= len(points)
-    assert (runs.low <= runs.first).all() and (runs.first <= runs.last).all() and (runs.last <= runs.high).all()
+    bounds = np.stack([runs.low, runs.first, runs.last, runs.high])
+    assert (np.diff(bounds, axis=0) >= 0).all()
 
 
 def test_rings_without_corners_are_one_run_of_all_points_but_their_knot():
@@ -94,9 +110,9 @@ def test_points_beside_corners_are_left_out_and_all_others_kept():
     mine = np.flatnonzero(runs.arc == arc)
     assert len(mine) == len(corners.arc) == 4
     kept = np.concatenate([used(runs, run) for run in mine])
-    assert np.hypot(*(kept[:, None] - square).transpose(2, 0, 1)).min() > 0.5
+    assert apart(kept, square).min() > 0.5
     clear = outlines.arc(arc)
-    clear = clear[np.hypot(*(clear[:, None] - square).transpose(2, 0, 1)).min(axis=1) > 2 * CLEAR]
+    clear = clear[apart(clear, square).min(axis=1) > 2 * CLEAR]
     assert set(map(tuple, clear)) <= set(map(tuple, kept))
     # One side each: the points of a run stay on one side of the square.
     for run in mine:
@@ -122,7 +138,7 @@ def test_t_junctions_too():
     outlines, _, runs = cut(picture(48, 48, [left, bar], (WHITE, BLACK, RED)))
     places = runs.places[:len(outlines.planar.junctions)]
     inside = places[((places > 1) & (places < 47)).all(axis=1)]
-    distance = np.hypot(*(inside[:, None] - bar[[0, 3]]).transpose(2, 0, 1)).min(axis=0)
+    distance = apart(inside, bar[[0, 3]]).min(axis=0)
     assert len(inside) == 2 and distance.max() < 0.1
 
 

@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Pictures that aren't clean: JPEG, resized, dithered, photographs."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+import pytest
+from artwork import CARTOON, colours_of, draw, palette_of
+
+from ddtcore.canvas import prepare
+from ddtcore.components import label_components
+from ddtcore.noise import ROUNDING, noise_level
+from ddtcore.options import TraceOptions
+from ddtcore.palette import find_plateaus
+from ddtcore.posterise import is_noisy, posterise
+from ddtcore.ramps import find_ramps
+from ddtcore.regions import label_pixels
+
+Image = pytest.importorskip("PIL.Image")
+
+LARGE = [(colour, lambda x, y, covers=covers: covers(x / 3, y / 3)) for colour, covers in CARTOON]
+
+
+def jpeg(image, quality):
+    file = io.BytesIO()
+    Image.fromarray(image).convert("RGB").save(file, "JPEG", quality=quality)
+    return np.array(Image.open(file).convert("RGBA"))
+
+
+def resized(image, factor):
+    size = round(image.shape[1] * factor), round(image.shape[0] * factor)
+    return np.array(Image.fromarray(image).convert("RGB").resize(size, Image.BICUBIC).convert("RGBA"))
+
+
+def dithered(image, colours):
+    return np.array(Image.fromarray(image).convert("RGB").quantize(colours).convert("RGBA"))
+
+
+def level(image):
+    canvas = prepare(image)
+    slopes, _ = find_ramps(canvas)
+    return noise_level(canvas, find_plateaus(canvas, slopes >= 0).core, slopes)
+
+
+@pytest.fixture(scope="module")
+def clean():
+    return draw(288, 288, LARGE)
+
+
+def test_clean_art_has_no_noise(clean):
+    assert level(clean) == (ROUNDING, False)
+    assert level(draw(96, 96, CARTOON)) == (ROUNDING, False)
+    assert level(np.full((9, 9, 4), 255, np.uint8)) == (ROUNDING, False)
+
+
+def test_noise_grows_with_compression(clean):
+    levels = [level(jpeg(clean, quality))[0] for quality in (95, 85, 50)]
+    assert ROUNDING < levels[0] < levels[1] < levels[2] <= 24
+
+
+@pytest.mark.parametrize("spoil", [lambda image: jpeg(image, 90), lambda image: jpeg(image, 75),
+                                   lambda image: jpeg(image, 50), lambda image: resized(image, 0.7),
+                                   lambda image: resized(image, 1.5), lambda image: dithered(image, 32)],
+                         ids=["q90", "q75", "q50", "reduced", "enlarged", "dithered"])
+def test_spoiled_pictures_have_the_colours_and_regions_of_the_clean_one(clean, spoil):
+    labels = label_pixels(spoil(clean), TraceOptions())
+    found = np.array(sorted(palette_of(labels)))[:, None]
+    off = np.abs(found - np.array(sorted(colours_of(CARTOON)))).max(axis=-1)
+    assert (off.min(axis=0) <= 12).all(), "a colour is missing"
+    assert (off.min(axis=1) <= 12).all(), "a colour is too many"
+    assert label_components(labels.index, 8).max() + 1 <= 1.5 * 12
+
+
+def test_photographs_are_posterised():
+    rng = np.random.RandomState(0)
+    image = np.full((160, 200, 4), 255, np.uint8)
+    smooth = np.cumsum(np.cumsum(rng.randn(160, 200, 3), axis=0), axis=1)
+    smooth = 255 * (smooth - smooth.min()) / np.ptp(smooth)
+    image[..., :3] = np.clip(smooth + 12 * rng.randn(160, 200, 3), 0, 255)
+    assert is_noisy(prepare(image))
+    labels = label_pixels(image, TraceOptions())
+    assert 8 <= len(labels.palette) <= 64
+    assert np.bincount(label_components(labels.index, 8).ravel()).min() >= 8
+    error = labels.palette[labels.index][..., :3] - smooth
+    assert np.sqrt((error ** 2).mean()) < 16
+    assert len(label_pixels(image, TraceOptions(colors=5)).palette) <= 5
+
+
+def test_few_colours_stay_exact():
+    image = np.random.RandomState(2).randint(0, 2, (40, 40, 1)).astype(np.uint8) * np.uint8(255)
+    image = np.concatenate([image, image, image, np.full_like(image, 255)], axis=-1)
+    labels = posterise(prepare(image), 8)
+    np.testing.assert_array_equal(labels.palette[labels.index], image)
