@@ -89,7 +89,7 @@ def noisy_colours(canvas: Canvas, plateaus: Plateaus, noise: float) -> np.ndarra
         values, counts = np.unique(keys, return_counts=True)
         mode = values[np.argmax(counts)]
         alike = _apart(canvas, keys, mode) <= noise
-        centre = _centre(keys[alike])
+        centre = _centre(keys[alike], noise)
         mixed = is_mixed(*(planes(np.array(some, np.uint32), canvas.opaque) for some in ([centre], found)))[0]
         if np.count_nonzero(alike & (spans <= noise) if mixed else alike) >= _FEW:
             found.append(centre)
@@ -98,11 +98,13 @@ def noisy_colours(canvas: Canvas, plateaus: Plateaus, noise: float) -> np.ndarra
     return np.array(found, np.uint32)
 
 
-def _centre(keys: np.ndarray) -> np.uint32:
-    """The median colour of packed ones; 0 or 255 in channels where many values are clipped there."""
+def _centre(keys: np.ndarray, noise: float) -> np.uint32:
+    """The median colour of packed ones; black or white if near that, 0 or 255 where many are clipped."""
     rgba = unpack(keys)
     middle = np.median(rgba, axis=0).astype(np.uint8)
     for end in (0, 255):
+        if np.abs(middle[:3].astype(int) - end).max() <= noise / 3:
+            middle[:3] = end
         middle[(rgba == end).mean(axis=0) > 0.25] = end
     return np.uint32(middle.view(np.uint32)[0])
 

@@ -118,34 +118,6 @@ def face_paints(image: np.ndarray, labels: Labels, planar: PlanarMap, options: T
     return paints
 
 
-def gradient_offset(paints: List[Paint], planar: PlanarMap) -> Optional[np.ndarray]:
-    """How far the gradients are from their mean colours, at each pixel.
-
-    Parameters
-    ----------
-    paints : list of Paint
-        One per face.
-    planar : PlanarMap
-
-    Returns
-    -------
-    ndarray of shape (H, W, 4) and dtype float32, or None
-        Premultiplied RGBA, 0 to 255; 0 outside of the faces with gradients.  None where
-        there are no gradients.
-    """
-    soft = np.array([paint.gradient is not None for paint in paints])
-    if not soft.any():
-        return None
-    pixels = _Pixels.of(planar.pixel_faces, soft)
-    mean = premultiply(np.array([(*paint.rgb, 255 * paint.opacity) for paint in paints]))
-    offset = np.zeros(planar.pixel_faces.shape + (4,), np.float32)
-    for face, part in pixels.groups():
-        gradient = paints[face].gradient
-        if gradient is not None:
-            offset.reshape(-1, 4)[pixels.cells[part]] = colours_at(gradient, pixels.points[part]) - mean[face]
-    return offset
-
-
 class _Pixels(NamedTuple):
     """Pixels of some regions, in reading order."""
 

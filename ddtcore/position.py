@@ -96,9 +96,15 @@ def _by_coverage(image: np.ndarray, labels: Labels, mesh: Mesh,
     # Between two positions that are sure, a doubtful one only adds noise.
     keep = np.ones(len(inner), bool)
     keep[1:-1] = sure[1:-1] | ~(sure[:-2] & sure[2:])
+    # A ring round a pixel or two needs all of its crossings, or nothing would be left of it.
+    small = planar.rings & ~hard & (np.bincount(arc[inner][keep], minlength=len(hard)) < 3)
+    keep &= ~small[arc[inner]]
+    whole = np.flatnonzero(small[arc] & (planar.left[arc] != 0))
     weight = np.where(sure, 1.0, 0.5)[keep]
-    return (np.concatenate([arc[inner][keep], hard_arc]), np.concatenate([position[keep], hard_points]),
-            np.concatenate([weight, np.ones(len(hard_arc))]), ends, np.where(hard, SLACK, 0.0))
+    return (np.concatenate([arc[inner][keep], arc[whole], hard_arc]),
+            np.concatenate([position[keep], raw[whole], hard_points]),
+            np.concatenate([weight, np.full(len(whole), 0.5), np.ones(len(hard_arc))]),
+            ends, np.where(hard, SLACK, 0.0))
 
 
 def _staircases(planar: PlanarMap, arc: np.ndarray, edge: np.ndarray,

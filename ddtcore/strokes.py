@@ -221,13 +221,26 @@ def stroke_labels(canvas: Canvas, ridges: Ridges, colours: np.ndarray, labels: n
 def lone_corners(labels: np.ndarray, thin: np.ndarray, cells: np.ndarray, stride: int) -> np.ndarray:
     """Which stroke pixels neither connect nor continue anything: mere corners of an area.
 
-    Round them their label appears in one run or not at all, and no neighbour is of the same stroke.
+    Round them their label appears in one run or not at all, and no neighbour is a pixel of
+    the same stroke that connects something.
     """
-    ring = [-stride - 1, -stride, -stride + 1, 1, stride + 1, stride, stride - 1, -1]
-    same = np.stack([labels[cells + step] == labels[cells] for step in ring])
-    runs = (same & ~np.roll(same, 1, axis=0)).sum(axis=0)
-    continues = (same & np.stack([thin[cells + step] for step in ring])).any(axis=0)
-    return (runs <= 1) & ~continues
+    ring = np.array([-stride - 1, -stride, -stride + 1, 1, stride + 1, stride, stride - 1, -1])
+    near = cells + ring[:, None]
+    connecting = thin[near] & (labels[near] == labels[cells])
+    # Two pixels that touch across a corner are connected without the one between them.
+    connecting[connecting] = _runs(labels, near[connecting], ring, True) > 1
+    return (_runs(labels, cells, ring, False) <= 1) & ~connecting.any(axis=0)
+
+
+def _runs(labels: np.ndarray, cells: np.ndarray, ring: np.ndarray, diagonal: bool) -> np.ndarray:
+    """In how many runs the label of each pixel appears in the ring of its neighbours, which begins at a corner.
+
+    With `diagonal` a run goes on across a corner of another label.
+    """
+    same = labels[cells + ring[:, None]] == labels[cells]
+    if diagonal:
+        same[::2] |= np.roll(same[1::2], 1, axis=0) & same[1::2]
+    return np.asarray((same & ~np.roll(same, 1, axis=0)).sum(axis=0))
 
 
 def _frequent(ridges: Ridges, colours: np.ndarray) -> np.ndarray:

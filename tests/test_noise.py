@@ -73,6 +73,18 @@ def test_spoiled_pictures_have_the_colours_and_regions_of_the_clean_one(clean, s
     assert label_components(labels.index, 8).max() + 1 <= 1.5 * 12
 
 
+def test_black_and_white_stay_exact(clean):
+    for quality in (90, 75):
+        labels = label_pixels(jpeg(clean, quality), TraceOptions())
+        assert {(0, 0, 0, 255), (255, 255, 255, 255)} <= palette_of(labels)
+
+
+def test_large_ramps_survive_a_little_compression():
+    image = np.full((96, 128, 4), 255, np.uint8)
+    image[8:88, 8:120, :3] = np.stack([np.arange(112) + 60, 200 - np.arange(112), np.full(112, 90)], axis=-1)
+    assert label_pixels(jpeg(image, 97), TraceOptions()).ramp.any()
+
+
 def test_photographs_are_posterised():
     rng = np.random.RandomState(0)
     image = np.full((160, 200, 4), 255, np.uint8)

@@ -13,7 +13,7 @@ from ddtcore.canvas import premultiply
 from ddtcore.gradient import colours_at
 from ddtcore.model import OUTSIDE, Gradient
 from ddtcore.options import TraceOptions
-from ddtcore.paint import NOTHING, Paint, face_paints, find_gradients, gradient_offset, local_colours
+from ddtcore.paint import NOTHING, Paint, face_paints, find_gradients, local_colours
 
 SIZE = 30
 OPAQUE = Gradient("linear", (2, 0), (28, 0), ((0.0, (10, 60, 200), 1.0), (1.0, (240, 120, 0), 1.0)))
@@ -111,20 +111,3 @@ def test_local_colours_are_those_of_the_gradient_or_of_the_palette():
     np.testing.assert_allclose(local_colours(labels, number, points), known)
     np.testing.assert_allclose(local_colours(replace(labels, gradients=None), number[:1], points[:1]),
                                premultiply(labels.palette[:1]))
-
-
-def test_offsets_are_the_gradients_less_their_means():
-    image, labels = painted(FADING)
-    paints, planar = paints_of(image, labels)
-    offset = gradient_offset(paints, planar)
-    soft = np.array([paint.gradient is not None for paint in paints])[planar.pixel_faces]
-    assert offset.shape == (SIZE, SIZE, 4) and offset.dtype == np.float32
-    assert not offset[~soft].any()
-    mean = premultiply(np.array([(*paint.rgb, 255 * paint.opacity) for paint in paints]))[planar.pixel_faces]
-    assert np.abs(mean + offset - premultiply(image.astype(float)))[soft].max() < 3
-    assert np.abs(offset[soft].mean(axis=0)).max() < 1
-
-
-def test_without_gradients_there_are_no_offsets():
-    labels = palette_labels(np.arange(12).reshape(3, 4) // 6)
-    assert gradient_offset(*paints_of(np.zeros((3, 4, 4), np.uint8), labels)) is None

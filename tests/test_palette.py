@@ -46,7 +46,7 @@ def test_a_plateau_of_four_pixels_counts():
 def test_straight_strokes_make_no_colours_of_their_mixes(top):
     """A stroke one pixel wide that covers two rows by half leaves blocks of equal grey pixels."""
     layers = [(WHITE, everywhere), (BLACK, disc(40, 40, 12)), (BLACK, box(4, top, 56, top + 1)),
-              (BLACK, box(top, 14, top + 1, 50))]
+              (BLACK, box(top, 4, top + 1, 50)), (BLACK, box(30, top + 2, 31, 22))]
     assert chosen(draw(60, 60, layers)) == {WHITE, BLACK}
 
 

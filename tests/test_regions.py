@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from artwork import (
     CARTOON,
+    box,
     colours_of,
     disc,
     draw,
@@ -137,12 +138,53 @@ def test_tips_and_gaps_belong_to_what_shines_through():
     assert label_components(np.where(black, 1, 0), 8).max() == 1
 
 
+def test_dense_stripes_keep_their_colours():
+    """Stripes of one and two pixels: where a dark one stands out more than the bright one beside it."""
+    red, brown = (207, 52, 26, 255), (176, 114, 46, 255)
+    layers = [(BLACK, everywhere), (red, box(3, 3, 9, 9)), (brown, box(40, 3, 50, 9)),
+              (red, box(0, 14, 60, 18.27)), (brown, box(0, 20.03, 60, 21.25)), (red, box(0, 22.48, 60, 24.73))]
+    labels = label_pixels(draw(60, 60, layers), DEFAULT)
+    rows = shown(labels)[17:26, 30]
+    expected = [red, BLACK, BLACK, brown, BLACK, red, red, red, BLACK]
+    np.testing.assert_array_equal(rows, expected)
+
+
+def test_box_has_no_ears():
+    """A pixel covered by three eighths at a corner belongs to the page."""
+    layers = [(WHITE, everywhere), (BLACK, box(10.5, 10.25, 30.5, 30.25))]
+    labels = label_pixels(draw(40, 40, layers), DEFAULT)
+    black = labels.index == np.argmin(labels.palette[:, 0])
+    rows, cols = black.any(axis=1), black.any(axis=0)
+    np.testing.assert_array_equal(black, rows[:, None] & cols)
+
+
+def test_edges_that_run_along_the_border_make_no_islands():
+    for offset in (0, 0.3, 0.6):
+        layers = [(WHITE, everywhere), (BLACK, half_plane(30, offset, 0.02)),
+                  (WHITE, half_plane(30, offset + 6.3, 0.04)), (BLACK, half_plane(30, offset + 20, 0.02))]
+        labels = label_pixels(draw(50, 60, layers), DEFAULT)
+        assert label_components(labels.index, 8).max() + 1 == 4
+
+
+def test_border_half_covered_takes_no_colour_from_further_inside():
+    blue = (33, 97, 161, 255)
+    layers = [(WHITE, everywhere), (BLACK, box(5, 30, 55, 59.5)), (blue, box(10, 35, 50, 57))]
+    last = shown(label_pixels(draw(60, 60, layers), DEFAULT))[59]
+    assert not (last == blue).all(axis=-1).any()
+
+
+def test_four_pixels_of_a_colour_count():
+    layers = [(WHITE, everywhere), (BLACK, disc(30, 30, 12)), ((20, 160, 60, 255), box(50, 50, 52, 52))]
+    assert palette_of(label_pixels(draw(60, 60, layers), DEFAULT)) == colours_of(layers)
+
+
 # transparency
 
-def test_nothing_is_one_label_whatever_colour_it_hides():
+@pytest.mark.parametrize("hidden", [(10, 200, 30), None])
+def test_nothing_is_one_label_whatever_colour_it_hides(hidden):
     image = draw(60, 60, [((200, 30, 40, 255), disc(30, 30, 20))])
-    noise = np.random.RandomState(1).randint(0, 256, image.shape)
-    image[..., :3] = np.where(image[..., 3:] == 0, noise[..., :3], image[..., :3])
+    hidden = np.random.RandomState(1).randint(0, 256, (60, 60, 3)) if hidden is None else hidden
+    image[..., :3] = np.where(image[..., 3:] == 0, hidden, image[..., :3])
     labels = label_pixels(image, DEFAULT)
     assert palette_of(labels) == {NOTHING, (200, 30, 40, 255)}
 
@@ -169,6 +211,13 @@ def test_hard_edged_pictures_keep_every_pixel():
     np.testing.assert_array_equal(shown(labels), points)
 
 
+def test_lone_pixels_of_a_hard_edged_picture_stay():
+    layers = [(WHITE, everywhere), (BLACK, half_plane(30, 30, 0.3)), ((128, 128, 128, 255), disc(10, 50, 6))]
+    points = paint(60, 60, layers, samples=1)
+    points[[10, 30, 41], [20, 33, 44]] = 128, 128, 128, 255
+    np.testing.assert_array_equal(shown(label_pixels(points, DEFAULT)), points)
+
+
 @pytest.mark.parametrize("steepness", [0.7, 2.0, 6.0])
 def test_a_soft_ramp_is_one_region(steepness):
     y, x = np.mgrid[:64, :80]
@@ -182,6 +231,16 @@ def test_a_soft_ramp_is_one_region(steepness):
     assert labels.ramp.sum() == 1 and len(labels.palette) == 2
     np.testing.assert_array_equal(labels.ramp[labels.index], inside)
     np.testing.assert_allclose(labels.palette[labels.ramp][0], image[inside].mean(axis=0), atol=0.3)
+
+
+def test_pieces_of_a_ramp_join_it():
+    """A faint crease across a ramp, with small plateaus of its own."""
+    x = np.arange(90)
+    image = np.full((60, 90, 4), 255, np.uint8)
+    image[10:50, 10:80, :3] = (60 + 2 * x[10:80] // 1)[:, None]
+    image[28:31, 20:70, :3] = (60 + 2 * (x[20:70] // 5 * 5) + 7)[:, None]
+    labels = label_pixels(image, DEFAULT)
+    assert len(labels.palette) == 2 and labels.ramp.sum() == 1
 
 
 def test_two_ramps_are_two_labels():

@@ -95,14 +95,14 @@ def test_no_new_colours_where_the_palette_explains_all():
 
 def test_lone_corners():
     stride = 7
-    labels = np.zeros((6, stride), int)
-    labels[3:5, 3:5] = 1  # an area with one stroke pixel at its corner, and a stroke of two
-    labels[2, 2] = labels[1, 4] = labels[2, 5] = 1
+    labels = np.zeros((7, stride), int)
+    labels[3:5, 2:4] = 1  # an area with one stroke pixel at a corner, and a stroke of two at another
+    labels[5, 1] = labels[2, 4] = labels[1, 5] = 1
     thin = np.zeros(labels.shape, bool)
-    thin[2, 2] = thin[1, 4] = thin[2, 5] = True
+    thin[5, 1] = thin[2, 4] = thin[1, 5] = True
     cells = np.flatnonzero(thin)
     lone = strokes.lone_corners(labels.ravel(), thin.ravel(), cells, stride)
-    np.testing.assert_array_equal(lone, cells == 2 * stride + 2)
+    np.testing.assert_array_equal(lone, cells == 5 * stride + 1)
 
 
 def test_no_ridges_and_no_colours_give_no_labels():
