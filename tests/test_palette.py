@@ -10,7 +10,7 @@ from artwork import CARTOON, box, colours_of, disc, draw, everywhere, half_plane
 from ddtcore import palette
 from ddtcore.canvas import prepare, unpack
 
-WHITE, BLACK, GREY = (255, 255, 255, 255), (0, 0, 0, 255), (128, 128, 128, 255)
+WHITE, BLACK, GREY, RED = (255, 255, 255, 255), (0, 0, 0, 255), (128, 128, 128, 255), (200, 30, 40, 255)
 
 
 def look(image):
@@ -47,7 +47,8 @@ def test_straight_strokes_make_no_colours_of_their_mixes(top):
     """A stroke one pixel wide that covers two rows by half leaves blocks of equal grey pixels."""
     layers = [(WHITE, everywhere), (BLACK, disc(40, 40, 12)), (BLACK, box(4, top, 56, top + 1)),
               (BLACK, box(top, 4, top + 1, 50)), (BLACK, box(30, top + 2, 31, 22))]
-    assert chosen(draw(60, 60, layers)) == {WHITE, BLACK}
+    layers += [(RED, box(20, 12, 26, 20)), (RED, disc(52, 52, 6))]
+    assert chosen(draw(60, 60, layers)) == {WHITE, BLACK, RED}
 
 
 def test_a_narrow_ring_of_a_mixed_colour_is_real():

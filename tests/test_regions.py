@@ -142,7 +142,7 @@ def test_dense_stripes_keep_their_colours():
     """Stripes of one and two pixels: where a dark one stands out more than the bright one beside it."""
     red, brown = (207, 52, 26, 255), (176, 114, 46, 255)
     layers = [(BLACK, everywhere), (red, box(3, 3, 9, 9)), (brown, box(40, 3, 50, 9)),
-              (red, box(0, 14, 60, 18.27)), (brown, box(0, 20.03, 60, 21.25)), (red, box(0, 22.48, 60, 24.73))]
+              (red, box(0, 14, 60, 18.27)), (brown, box(0, 20.1, 60, 21.25)), (red, box(0, 22.48, 60, 24.73))]
     labels = label_pixels(draw(60, 60, layers), DEFAULT)
     rows = shown(labels)[17:26, 30]
     expected = [red, BLACK, BLACK, brown, BLACK, red, red, red, BLACK]

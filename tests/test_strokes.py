@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from artwork import disc, draw, everywhere, half_plane, stroke
+from artwork import box, disc, draw, everywhere, half_plane, stroke
 
 from ddtcore import palette, strokes
 from ddtcore.canvas import planes, prepare, unpack
@@ -30,6 +30,13 @@ def test_one_edge_has_no_ridges(angle):
     assert ridges_of(image)[3].cells.size == 0
 
 
+@pytest.mark.parametrize("angle", [0.02, 0.04, 0.3])
+@pytest.mark.parametrize("height", [-0.2, 0.4, 1.1])
+def test_an_edge_that_leaves_the_picture_has_no_ridges(angle, height):
+    image = draw(50, 60, [(WHITE, everywhere), (BLACK, half_plane(30, height, angle))])
+    assert ridges_of(image)[3].cells.size == 0
+
+
 def test_round_edges_hardly_stand_out():
     image = draw(80, 80, [(WHITE, everywhere), (BLACK, disc(40.2, 39.7, 30))])
     ridges = ridges_of(image)[3]
@@ -47,6 +54,15 @@ def test_every_step_along_a_stroke_has_a_ridge(angle, width):
     assert set(range(5, 55)) <= set(steps.tolist())
     across = (row + 0.5 - 30.1) * np.cos(angle) - (col + 0.5 - 30.3) * np.sin(angle)
     assert np.abs(across).max() < 1.5
+
+
+def test_a_stroke_beside_a_gap_that_stands_out_more():
+    """Ridges to opposite sides do not suppress each other."""
+    red, brown = (207, 52, 26, 255), (176, 114, 46, 255)
+    canvas, _, _, ridges = ridges_of(draw(40, 40, [
+        (BLACK, everywhere), (brown, box(0, 20.1, 40, 21.25)), (red, box(0, 22.48, 40, 26)), (red, box(0, 10, 40, 18.27))]))
+    rows = canvas.places(ridges.cells)[0]
+    assert np.count_nonzero(rows == 20) == 40 and np.count_nonzero(rows == 21) >= 38
 
 
 def test_ridges_stand_out_by_their_excess():
