@@ -116,8 +116,9 @@ def find_corners(planar: PlanarMap, lines: Polylines, along: Arclength, corner_a
     # Pixels round a sharp corner off by about this much, the more the sharper it is.
     sharp = 0.29 / np.tan(np.maximum(np.pi - meeting.turn, 0.48) / 2)
     fits = meeting.rounding < 1.15 * sharp + ROUND
-    keep = (meeting.turn > np.radians(corner_angle)) & fits
-    caps = _caps(meeting, (meeting.turn > BACK) & ~fits)
+    back = meeting.turn > BACK
+    keep = (meeting.turn > np.radians(corner_angle)) & fits & ~back
+    caps = _caps(meeting, back, fits)
     found = Corners(*(np.concatenate(parts) for parts in zip((part[keep] for part in meeting.corners), *caps)))
     found = Corners(*(part[np.lexsort((found.length, found.arc))] for part in found))
     apart = np.ones(len(found.arc), bool)
@@ -230,10 +231,10 @@ def _meet(along: Arclength, ring: np.ndarray, arc: np.ndarray, length: np.ndarra
     return _Meeting(corners, turn, distance.min(axis=1), np.stack([p for p, _ in sides], axis=1), toward, path, near)
 
 
-def _caps(meeting: _Meeting, blunt: np.ndarray) -> List[Corners]:
+def _caps(meeting: _Meeting, back: np.ndarray, sharp: np.ndarray) -> List[Corners]:
     """Two corners each, where the outline turns back round the blunt end of a bar; one if it is narrow."""
-    arc, length, _ = (part[blunt] for part in meeting.corners)
-    side, toward, path = meeting.side[blunt], meeting.toward[blunt], meeting.path[blunt]
+    arc, length, meet = (part[back] for part in meeting.corners)
+    side, toward, path = meeting.side[back], meeting.toward[back], meeting.path[back]
     ahead = toward.sum(axis=1)
     ahead /= np.maximum(np.hypot(*ahead.T), 1e-9)[:, None]
     tip = np.einsum("ckd,cd->ck", path, ahead).max(axis=1)
@@ -242,7 +243,7 @@ def _caps(meeting: _Meeting, blunt: np.ndarray) -> List[Corners]:
     width = np.einsum("cd,cd->c", point[:, 1] - point[:, 0], side[:, 1] - side[:, 0])
     width /= np.maximum(np.hypot(*(side[:, 1] - side[:, 0]).T), 1e-9)
     wide = width > NARROW
-    middle = point.mean(axis=1)
+    middle = np.where(sharp[back, None], meet, point.mean(axis=1))
     half = np.where(wide, width / 2, 0)
     centre = length + meeting.near[np.argmin(np.hypot(*np.moveaxis(path - middle[:, None], 2, 0)), axis=1)]
     first = np.where(wide[:, None], point[:, 0], middle)

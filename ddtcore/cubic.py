@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Least-squares cubics for many ranges of points at once.
 
-Every candidate is a range of points; its sums and its largest error come from
-`reduceat`, so each candidate answers to *all* the points it replaces.  The
-handles are found as by Schneider, "An algorithm for automatically fitting
-digitized curves", Graphics Gems, 1990.
+Each candidate, a range of points, is fitted to evenly chosen samples of them; what
+serves the samples then answers to *all* the points it replaces.  The handles are
+found as by Schneider, "An algorithm for automatically fitting digitized curves",
+Graphics Gems, 1990, with distances taken across the curve (Wang, Pottmann and Liu,
+"Fitting B-spline curves to point clouds by curvature-based squared distance
+minimization", ACM TOG 25, 2006): a point may slide along it, so that handles and
+parameters converge together.  Inside, points are complex numbers x + iy.
 """
 
 from __future__ import annotations
@@ -18,12 +21,20 @@ from . import bezier
 LINE_SHARE = 0.6
 """A chord serves as a line if its points stray no further than this share of the tolerance."""
 
-
 SLIDE = 0.2
 """How much a distance along the curve counts against one across it."""
 
 NEAR = 3.0
 """A cubic that misses the tolerance by no more than this factor may fit after more rounds."""
+
+SAMPLES = 32
+"""Points of a candidate that its handles are fitted to."""
+
+BATCH = 1024
+"""Candidates fitted at a time: what fits a processor's cache."""
+
+PULL = 0.02
+"""Weight of a third of the chord as the length of a handle, which settles what points leave open."""
 
 
 class Fit(NamedTuple):
@@ -34,7 +45,7 @@ class Fit(NamedTuple):
     control : ndarray of shape (M, 4, 2)
     line : ndarray of shape (M,) and dtype bool
     error : ndarray of shape (M,)
-        Largest distance of a replaced point, px.
+        Largest distance of a replaced point, px; of those tried, where it is beyond the tolerance.
     worst : ndarray of shape (M,) and dtype int64
         Number of that point; -1 where a candidate replaces none.
     """
@@ -63,16 +74,36 @@ class Ends(NamedTuple):
     smooth: np.ndarray
 
 
-def fit_candidates(points: np.ndarray, weight: np.ndarray, first: np.ndarray, last: np.ndarray,
-                   ends: Ends, tolerance: np.ndarray) -> Fit:
+class Track(NamedTuple):
+    """Points that candidates are ranges of.
+
+    Attributes
+    ----------
+    place : ndarray of shape (N,) and dtype complex128
+    weight : ndarray of shape (N,)
+    walked : ndarray of shape (N,)
+        Way along the points.
+    """
+
+    place: np.ndarray
+    weight: np.ndarray
+    walked: np.ndarray
+
+    @classmethod
+    def of(cls, points: np.ndarray, weight: np.ndarray) -> "Track":
+        """The track of points (N, 2) with weights (N,)."""
+        place = _complex(points)
+        return cls(place, weight, np.cumsum(np.abs(np.diff(place, prepend=place[:1]))))
+
+
+def fit_candidates(track: Track, first: np.ndarray, last: np.ndarray, ends: Ends, tolerance: np.ndarray) -> Fit:
     """Fit one cubic, or a line where that will do, to each range of points.
 
     Parameters
     ----------
-    points : ndarray of shape (N, 2)
-    weight : ndarray of shape (N,)
+    track : Track
     first, last : ndarray of shape (M,) and dtype int64
-        Candidate k replaces ``points[first[k]:last[k]]``, its ends not among them.
+        Candidate k replaces the points from ``first[k]`` to ``last[k]``, its ends not among them.
     ends : Ends
     tolerance : ndarray of shape (M,)
         px; decides between lines and cubics.
@@ -81,132 +112,162 @@ def fit_candidates(points: np.ndarray, weight: np.ndarray, first: np.ndarray, la
     -------
     Fit
     """
-    index, owner, heads = _ranges(first, last)
-    target = points[index]
-    line_error, line_worst = _worst(_line_distance(target, ends, owner), index, owner, heads, len(first))
-    line = line_error < LINE_SHARE * tolerance
     control = bezier.from_line(ends.point[:, 0], ends.point[:, 1])
+    fit = Fit(control, np.ones(len(first), bool), np.zeros(len(first)), np.full(len(first), -1, np.int64))
+    some = np.flatnonzero(last > first)
+    for k in range(0, len(some), BATCH):
+        part = some[k:k + BATCH]
+        spans = _spans(track, first[part], last[part], Ends(*(of[part] for of in ends)))
+        handles, fit.line[part], fit.error[part], fit.worst[part] = _fit_spans(track, spans, tolerance[part])
+        curved = ~fit.line[part]
+        inner = (np.concatenate([spans.start, spans.end], axis=1) + handles)[curved]
+        control[part[curved], 1:3] = np.stack([inner.real, inner.imag], axis=-1)
+    return fit
+
+
+class _Spans(NamedTuple):
+    """Candidates and samples of their points."""
+
+    first: np.ndarray        # (M,)
+    last: np.ndarray         # (M,)
+    start: np.ndarray        # (M, 1) complex
+    end: np.ndarray          # (M, 1) complex
+    tangent: np.ndarray      # (M, 2) complex
+    smooth: np.ndarray       # (M, 2)
+    index: np.ndarray        # (M, K) numbers of the samples
+    place: np.ndarray        # (M, K) complex
+    weight: np.ndarray       # (M, K)
+    share: np.ndarray        # (M, K) of the way from start to end
+
+
+def _take(spans: _Spans, which: np.ndarray) -> _Spans:
+    return _Spans(*(part[which] for part in spans))
+
+
+def _spans(track: Track, first: np.ndarray, last: np.ndarray, ends: Ends) -> _Spans:
+    """Candidates with their samples; one of few points repeats its last, for no weight."""
+    count = (last - first)[:, None]
+    few = min(SAMPLES, int(count.max()))
+    k = np.arange(few)
+    offset = np.where(count <= few, k, (2 * k + 1) * count // (2 * few))
+    index = first[:, None] + np.minimum(offset, count - 1)
+    start, end = _complex(ends.point).T[..., None]
+    before = np.abs(track.place[first][:, None] - start)
+    walked = before + track.walked[index] - track.walked[first][:, None]
+    whole = before + np.abs(end - track.place[last - 1][:, None]) + (track.walked[last - 1] - track.walked[first])[:, None]
+    return _Spans(first, last, start, end, _complex(ends.tangent), ends.smooth, index, track.place[index],
+                  np.where(offset < count, track.weight[index], 0), walked / np.maximum(whole, 1e-9))
+
+
+def _fit_spans(track: Track, spans: _Spans, tolerance: np.ndarray) -> Tuple[np.ndarray, ...]:
+    """Handles (M, 2), whether they make a line, largest errors and the points that have them."""
+    third = (spans.end - spans.start) / 3
+    handles = np.concatenate([third, -third], axis=1)
+    error, worst = _judge(track, spans, handles, spans.share, LINE_SHARE * tolerance)
+    line = error <= LINE_SHARE * tolerance
     curved = np.flatnonzero(~line)
+    part, t = _take(spans, curved), spans.share[curved]
     # A few rounds show what can't fit; what comes near is given more.
     for rounds in (3, 6):
         if not len(curved):
             break
-        fitted = _fit(points, weight, first[curved], last[curved], Ends(*(part[curved] for part in ends)), rounds)
-        control[curved], line_error[curved], line_worst[curved] = fitted
-        error = line_error[curved]
-        curved = curved[(error > tolerance[curved]) & (error < NEAR * tolerance[curved])]
-    return Fit(control, line, line_error, line_worst)
+        handles[curved], t = _fit(part, t, rounds)
+        error[curved], worst[curved] = _judge(track, part, handles[curved], t, tolerance[curved])
+        near = (error[curved] > tolerance[curved]) & (error[curved] < NEAR * tolerance[curved])
+        curved, part, t = curved[near], _take(part, near), t[near]
+    return handles, line, error, worst
 
 
-def _fit(points: np.ndarray, weight: np.ndarray, first: np.ndarray, last: np.ndarray, ends: Ends,
-         rounds: int) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Cubics, their largest errors and the points that have them; handles and parameters in turn."""
-    index, owner, heads = _ranges(first, last)
-    target, w = points[index], weight[index]
-    t = _chord_parameters(target, ends, owner, heads)
-    metric = np.broadcast_to(np.eye(2), (len(t), 2, 2))
-    for _ in range(rounds):
-        fitted = _solve(target, w, t, owner, heads, ends, metric)
-        t = bezier.reproject(fitted, owner, t, target)
-        metric = _across(bezier.derivative(fitted, owner, t))
-    away = bezier.evaluate(fitted, owner, t) - target
-    return (fitted, *_worst(np.hypot(away[:, 0], away[:, 1]), index, owner, heads, len(first)))
-
-
-def _across(tangent: np.ndarray) -> np.ndarray:
-    """Axes (N, 2, 2) that measure distances across the curve, and little of those along it.
-
-    A point may slide along the curve: with that left out, handles and parameters
-    converge together (tangent distance; Wang, Pottmann and Liu, "Fitting B-spline
-    curves to point clouds by curvature-based squared distance minimization", ACM TOG
-    25, 2006).
-    """
-    along = tangent / np.maximum(np.hypot(*tangent.T), 1e-9)[:, None]
-    across = np.stack([-along[:, 1], along[:, 0]], axis=1)
-    return np.stack([across, SLIDE * along], axis=1)
-
-
-def _ranges(first: np.ndarray, last: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """All indices of the ranges one after the other, the range of each, where each range begins."""
-    count = last - first
-    heads = np.cumsum(count) - count
-    owner = np.repeat(np.arange(len(first)), count)
-    return np.arange(len(owner)) + (first - heads)[owner], owner, heads
-
-
-def _worst(distance: np.ndarray, index: np.ndarray, owner: np.ndarray, heads: np.ndarray,
-           m: int) -> Tuple[np.ndarray, np.ndarray]:
-    """Largest distance per range and the point that has it; 0 and -1 for empty ranges."""
-    error, worst = np.zeros(m), np.full(m, -1, np.int64)
-    filled = np.zeros(m, bool)
-    filled[owner] = True
-    if len(index):
-        error[filled] = np.maximum.reduceat(distance, heads[filled])
-        at = np.flatnonzero(distance == error[owner])
-        worst[owner[at[::-1]]] = index[at[::-1]]
+def _judge(track: Track, spans: _Spans, handles: np.ndarray, t: np.ndarray,
+           limit: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Largest distance, of all points where the samples are within the limit, and the point that has it."""
+    power = _powers(spans, handles)
+    t = _project(power, t, spans.place)
+    away = np.abs(_along(power, t) - spans.place)
+    row, at = np.arange(len(away)), away.argmax(axis=1)
+    error, worst = away[row, at], spans.index[row, at]
+    count = spans.last - spans.first
+    asked = np.flatnonzero((error <= limit) & (count > t.shape[1]))
+    if len(asked):
+        heads = np.cumsum(count[asked]) - count[asked]
+        owner = np.repeat(asked, count[asked])
+        offset = np.arange(len(owner)) - np.repeat(heads, count[asked])
+        place, power = track.place[spans.first[owner] + offset], power[:, owner, 0]
+        all_t = _project(power, _between(t, owner, (offset + 0.5) * t.shape[1] / count[owner] - 0.5), place)
+        away = np.abs(_along(power, all_t) - place)
+        error[asked] = np.maximum.reduceat(away, heads)
+        at = np.flatnonzero(away == error[owner])[::-1]
+        worst[owner[at]] = spans.first[owner[at]] + offset[at]
     return error, worst
 
 
-def _line_distance(target: np.ndarray, ends: Ends, owner: np.ndarray) -> np.ndarray:
-    """Distance of points from the chord of their candidate."""
-    start, chord = ends.point[:, 0], ends.point[:, 1] - ends.point[:, 0]
-    away = target - start[owner]
-    square = np.maximum(np.einsum("md,md->m", chord, chord), 1e-12)[owner]
-    along = np.clip(np.einsum("nd,nd->n", away, chord[owner]) / square, 0, 1)
-    away -= along[:, None] * chord[owner]
-    return np.hypot(away[:, 0], away[:, 1])
+def _between(t: np.ndarray, row: np.ndarray, column: np.ndarray) -> np.ndarray:
+    """Parameters between those of samples, by fractional column."""
+    left = np.clip(np.floor(column).astype(np.int64), 0, t.shape[1] - 2)
+    before = t[row, left]
+    return np.clip(before + (column - left) * (t[row, left + 1] - before), 0, 1)
 
 
-def _chord_parameters(target: np.ndarray, ends: Ends, owner: np.ndarray, heads: np.ndarray) -> np.ndarray:
-    """First guess of t: the share of the way along the polyline."""
-    previous = np.empty_like(target)
-    previous[1:] = target[:-1]
-    filled = np.unique(owner)
-    previous[heads[filled]] = ends.point[filled, 0]
-    piece = np.hypot(*(target - previous).T)
-    walked = np.cumsum(piece)
-    before = walked[heads[filled]] - piece[heads[filled]]
-    tails = np.append(heads[filled][1:], len(target)) - 1
-    base, whole = np.zeros(len(heads)), np.ones(len(heads))
-    base[filled] = before
-    whole[filled] = walked[tails] - before + np.hypot(*(ends.point[filled, 1] - target[tails]).T)
-    return (walked - base[owner]) / np.maximum(whole, 1e-9)[owner]
+def _fit(spans: _Spans, t: np.ndarray, rounds: int) -> Tuple[np.ndarray, np.ndarray]:
+    """Handles (M, 2) and parameters of the samples, each in turn."""
+    turn, slide = np.ones((1, 1), complex), 1.0
+    for _ in range(rounds):
+        handles = _solve(spans, t, turn, slide)
+        power = _powers(spans, handles)
+        t = _project(power, t, spans.place)
+        slope = power[1] + t * (2 * power[2] + 3 * t * power[3])
+        turn, slide = slope.conj() / np.maximum(np.abs(slope), 1e-9), SLIDE
+    return handles, t
 
 
-def _solve(target: np.ndarray, weight: np.ndarray, t: np.ndarray, owner: np.ndarray, heads: np.ndarray,
-           ends: Ends, metric: np.ndarray) -> np.ndarray:
-    """Least-squares handles: each a length along its tangent, and a little across at free ends."""
-    m = len(heads)
-    b = bezier.basis(t)
-    chord = np.maximum(np.hypot(*(ends.point[:, 1] - ends.point[:, 0]).T), 1e-6)
-    fixed = (b[:, :2].sum(1)[:, None] * ends.point[owner, 0] + b[:, 2:].sum(1)[:, None] * ends.point[owner, 1])
-    rest = np.einsum("nkd,nd->nk", metric, target - fixed)
-    across = np.stack([-ends.tangent[..., 1], ends.tangent[..., 0]], axis=-1)
-    frame = np.stack([ends.tangent[:, 0], across[:, 0], ends.tangent[:, 1], across[:, 1]], axis=1)
-    columns = np.einsum("nkd,njd->njk", metric, frame[owner]) * b[:, [1, 1, 2, 2], None]
-    normal, right = np.zeros((m, 4, 4)), np.zeros((m, 4))
-    filled = np.unique(owner)
-    weighted = columns * weight[:, None, None]
-    for i in range(4):
-        right[filled, i] = np.add.reduceat(np.einsum("nd,nd->n", weighted[:, i], rest), heads[filled])
-        for j in range(i, 4):
-            normal[filled, i, j] = normal[filled, j, i] = np.add.reduceat(
-                np.einsum("nd,nd->n", weighted[:, i], columns[:, j]), heads[filled])
-    # A weak pull to a third of the chord settles what the points leave open.
-    pull = 0.02
-    for end in (0, 1):
-        normal[:, 2 * end, 2 * end] += pull
-        right[:, 2 * end] += pull * chord / 3
-        normal[:, 2 * end + 1, 2 * end + 1] += np.where(ends.smooth[:, end], 1e6, 0.03)
-    handle = np.linalg.solve(normal, right[..., None])[..., 0]
-    for end in (0, 1):
-        length = handle[:, 2 * end]
-        wild = (length < 0.03 * chord) | (length > 1.6 * chord)
-        handle[wild, 2 * end] = chord[wild] / 3
-        handle[wild, 2 * end + 1] = 0
-    control = np.empty((m, 4, 2))
-    control[:, 0], control[:, 3] = ends.point[:, 0], ends.point[:, 1]
-    for end, slot in ((0, 1), (1, 2)):
-        control[:, slot] = ends.point[:, end] + np.einsum(
-            "mk,mkd->md", handle[:, 2 * end:2 * end + 2], frame[:, 2 * end:2 * end + 2])
-    return control
+def _powers(spans: _Spans, handles: np.ndarray) -> np.ndarray:
+    """Coefficients (4, M, 1) of 1, t, t² and t³."""
+    chord = spans.end - spans.start
+    begin, end = handles[:, :1], handles[:, 1:]
+    return np.stack([spans.start, 3 * begin, 3 * (chord + end - 2 * begin), 3 * (begin - end) - 2 * chord])
+
+
+def _along(power: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """Points of the curves."""
+    return power[0] + t * (power[1] + t * (power[2] + t * power[3]))
+
+
+def _project(power: np.ndarray, t: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """One Newton step of each parameter towards the foot of the perpendicular from its point."""
+    away = _along(power, t) - place
+    slope = power[1] + t * (2 * power[2] + 3 * t * power[3])
+    bend = 2 * power[2] + 6 * t * power[3]
+    steep = slope.real ** 2 + slope.imag ** 2 + away.real * bend.real + away.imag * bend.imag
+    step = (away.real * slope.real + away.imag * slope.imag) / np.where(steep > 1e-9, steep, np.inf)
+    return np.clip(t - np.clip(step, -0.2, 0.2), 0.0, 1.0)
+
+
+def _solve(spans: _Spans, t: np.ndarray, turn: np.ndarray, slide: float) -> np.ndarray:
+    """Least-squares handles (M, 2): each a length along its tangent, and a little across at free ends.
+
+    `turn` brings the direction of the curve at each sample to the real axis.
+    """
+    s, m = 1 - t, len(t)
+    lead = turn * np.sqrt(spans.weight)
+    rest = lead * (spans.place - spans.end + s * s * (1 + 2 * t) * (spans.end - spans.start))
+    design = np.empty((m, 4, 2, t.shape[1]))
+    for end, weight in ((0, 3 * s * s * t), (1, 3 * s * t * t)):
+        column = lead * weight * spans.tangent[:, end, None]
+        design[:, 2 * end, 0], design[:, 2 * end, 1] = column.imag, slide * column.real
+        design[:, 2 * end + 1, 0], design[:, 2 * end + 1, 1] = column.real, -slide * column.imag
+    design = design.reshape(m, 4, -1)
+    normal = design @ design.transpose(0, 2, 1)
+    right = design @ np.concatenate([rest.imag, slide * rest.real], axis=1)[..., None]
+    chord = np.maximum(np.abs(spans.end - spans.start), 1e-6)
+    normal[:, [0, 2], [0, 2]] += PULL
+    right[:, [0, 2], 0] += PULL * chord / 3
+    normal[:, [1, 3], [1, 3]] += np.where(spans.smooth, 1e6, 0.03)
+    handle = np.linalg.solve(normal, right).reshape(m, 2, 2)
+    wild = (handle[..., 0] < 0.03 * chord) | (handle[..., 0] > 1.6 * chord)
+    along = np.where(wild, chord / 3, handle[..., 0])
+    return (along + 1j * np.where(wild, 0, handle[..., 1])) * spans.tangent
+
+
+def _complex(points: np.ndarray) -> np.ndarray:
+    """Points (..., 2) as complex numbers (...)."""
+    return points[..., 0] + 1j * points[..., 1]

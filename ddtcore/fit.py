@@ -14,7 +14,7 @@ import numpy as np
 
 from . import bezier
 from .corner import Arclength, find_corners
-from .cubic import Ends, Fit, fit_candidates
+from .cubic import Ends, Fit, Track, fit_candidates
 from .model import CUBIC, LINE, Curves, Labels, PlanarMap, Polylines
 from .options import TraceOptions
 from .polish import Target, Wire, polish
@@ -110,8 +110,8 @@ def fit_runs(runs: Runs, tolerance: np.ndarray) -> Segments:
     -------
     Segments
     """
-    segments = _split(runs, _whole(runs), tolerance)
-    return _merge(runs, segments, tolerance)
+    track = Track.of(runs.points, runs.weight)
+    return _merge(track, _split(runs, track, _whole(runs), tolerance), tolerance)
 
 
 def _whole(runs: Runs) -> Tuple[np.ndarray, np.ndarray, np.ndarray, Ends]:
@@ -145,12 +145,13 @@ def _node(runs: Runs, at: np.ndarray, low: np.ndarray, high: np.ndarray,
     return side[:, 0], tangent / np.maximum(np.hypot(*tangent.T), 1e-9)[:, None]
 
 
-def _split(runs: Runs, whole: Tuple[np.ndarray, np.ndarray, np.ndarray, Ends], tolerance: np.ndarray) -> Segments:
+def _split(runs: Runs, track: Track, whole: Tuple[np.ndarray, np.ndarray, np.ndarray, Ends],
+           tolerance: np.ndarray) -> Segments:
     """Split runs where they miss their points, until all are met."""
     run, first, last, ends = whole
     done = []
     while len(run):
-        fit = fit_candidates(runs.points, runs.weight, first, last, ends, tolerance[run])
+        fit = fit_candidates(track, first, last, ends, tolerance[run])
         bad = (fit.error > tolerance[run]) & (last - first >= 3)
         done.append(_take(Segments(run, first, last, ends, fit), ~bad))
         run, first, last, ends, fit = _take(Segments(run, first, last, ends, fit), bad)
@@ -176,7 +177,7 @@ def _cut(ends: Ends, place: np.ndarray, tangent: np.ndarray) -> Tuple[Ends, Ends
     return before, after
 
 
-def _merge(runs: Runs, segments: Segments, tolerance: np.ndarray) -> Segments:
+def _merge(track: Track, segments: Segments, tolerance: np.ndarray) -> Segments:
     """Merge neighbours of one run where a single curve serves both, best first."""
     refused = np.zeros(len(segments.run), bool)
     while True:
@@ -185,7 +186,7 @@ def _merge(runs: Runs, segments: Segments, tolerance: np.ndarray) -> Segments:
             return segments
         ends = _union(segments.ends, left)
         allowed = tolerance[segments.run[left]]
-        fit = fit_candidates(runs.points, runs.weight, segments.first[left], segments.last[left + 1], ends, allowed)
+        fit = fit_candidates(track, segments.first[left], segments.last[left + 1], ends, allowed)
         good = fit.error <= allowed
         refused[left[~good]] = True
         price = np.full(len(segments.run) + 1, np.inf)
@@ -249,8 +250,9 @@ def simplify(wire: Wire, runs: Runs, segments: Segments, tolerance: np.ndarray) 
     tangent /= np.maximum(np.hypot(*np.moveaxis(tangent, 2, 0)), 1e-9)[..., None]
     ends = Ends(control[:, [0, 3]], tangent, wire.smooth[wire.ends])
     fit = Fit(control, wire.line, np.zeros(len(count)), np.full(len(count), -1))
-    runs = runs._replace(points=points, weight=np.ones(len(points)), places=wire.nodes[:len(runs.places)])
-    return runs, _merge(runs, Segments(segments.run, first, last, ends, fit), tolerance)
+    track = Track.of(points, np.ones(len(points)))
+    runs = runs._replace(places=wire.nodes[:len(runs.places)])
+    return runs, _merge(track, Segments(segments.run, first, last, ends, fit), tolerance)
 
 
 def wire_up(runs: Runs, segments: Segments, fixed: np.ndarray, step: np.ndarray) -> Wire:
