@@ -16,10 +16,7 @@ import numpy as np
 
 from . import bezier
 
-CHORD = 0.95
-"""Longest chord that stands for a bit of curve, px; below 1, so that it meets two grid lines at most."""
-
-SAGITTA = 0.01
+SAGITTA = 0.005
 """How far chords may stray from a curve, px."""
 
 
@@ -60,47 +57,46 @@ def cut_into_pixels(control: np.ndarray, line: np.ndarray, shape: Tuple[int, int
     -------
     Pieces
     """
-    fastest = 3 * np.hypot(*np.moveaxis(np.diff(control, axis=1), 2, 0)).max(axis=1)
     bend = np.where(line, 0, np.square(np.diff(control, n=2, axis=1)).sum(axis=2).max(axis=1))
     # A chord over 1/n of a cubic strays by 6/8 of its largest second difference / n² at most.
-    count = np.ceil(np.maximum(fastest / CHORD, np.sqrt(0.75 / SAGITTA) * bend ** 0.25))
-    count = np.maximum(count, 1).astype(np.int64)
+    count = np.maximum(np.ceil(np.sqrt(0.75 / SAGITTA) * bend ** 0.25), 1).astype(np.int64)
     segment = np.repeat(np.arange(len(control)), count)
-    step = np.arange(len(segment)) - np.repeat(np.cumsum(count) - count, count)
-    t0 = step / count[segment]
-    dt = 1.0 / count[segment]
+    dt = 1 / count[segment]
+    t0 = (np.arange(len(segment)) - np.repeat(np.cumsum(count) - count, count)) * dt
     start = bezier.evaluate(control, segment, t0)
     end = np.empty_like(start)
     end[:-1] = start[1:]
-    tails = np.cumsum(count) - 1
-    end[tails] = control[:, 3]
-    cuts = np.stack([_grid_crossing(start[:, k], end[:, k]) for k in (0, 1)], axis=1)
-    cuts.sort(axis=1)
-    bounds = np.concatenate([np.zeros((len(cuts), 1)), cuts, np.ones((len(cuts), 1))], axis=1)
-    share = np.diff(bounds, axis=1)
-    chord, part = np.nonzero(share > 1e-9)
-    width = share[chord, part]
-    middle = bounds[chord, part] + width / 2
-    move = (end - start)[chord]
+    end[np.cumsum(count) - 1] = control[:, 3]
+    way = end - start
+    chord, begin, width = _cut_at_grid(start, end)
+    middle = begin + width / 2
+    move = way[chord]
     at = start[chord] + middle[:, None] * move
     cell = np.floor(at).astype(np.int64)
     # What bulges out on the left still bounds the row; elsewhere outside nothing is seen.
     np.maximum(cell[:, 0], 0, out=cell[:, 0])
     at[:, 0] = np.maximum(at[:, 0], 0)
-    inside = (cell[:, 0] < shape[1]) & (cell[:, 1] >= 0) & (cell[:, 1] < shape[0])
+    inside = (cell[:, 0] < shape[1]) & (cell[:, 1] >= 0) & (cell[:, 1] < shape[0]) & (width > 1e-9)
     chord, cell = chord[inside], cell[inside]
     return Pieces(segment[chord], cell[:, 1] * shape[1] + cell[:, 0],
                   t0[chord] + middle[inside] * dt[chord], move[inside] * width[inside, None],
                   at[inside, 0] - cell[:, 0])
 
 
-def _grid_crossing(start: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """Where a chord shorter than 1 px crosses a line of the grid, as a share of it; else 1."""
-    a, b = np.floor(start), np.floor(end)
-    crossed = a != b
-    grid = np.maximum(a, b)
-    span = np.where(crossed, end - start, 1.0)
-    return np.where(crossed, np.clip((grid - start) / span, 0, 1), 1.0)
+def _cut_at_grid(start: np.ndarray, end: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Pieces of chords between the lines of the grid: chord, where on it each begins, its share of it."""
+    cuts = [np.arange(len(start), dtype=np.float64)]
+    for a, b in zip(start.T, end.T):
+        first = np.floor(np.minimum(a, b)) + 1
+        count = np.maximum(np.ceil(np.maximum(a, b)) - first, 0).astype(np.int64)
+        chord = np.repeat(np.arange(len(a)), count)
+        line = first[chord] + np.arange(len(chord)) - np.repeat(np.cumsum(count) - count, count)
+        share = (line - a[chord]) / (b - a)[chord]
+        cuts.append(chord + np.clip(share, 0, 1 - 1e-9))
+    cut = np.sort(np.concatenate(cuts))
+    chord = cut.astype(np.int64)
+    begin = cut - chord
+    return chord, begin, np.minimum(np.append(cut[1:], np.inf) - chord, 1) - begin
 
 
 def touched_pixels(pieces: Pieces, size: int) -> Tuple[np.ndarray, np.ndarray]:

@@ -143,7 +143,8 @@ class _Problem(NamedTuple):
     pixel: np.ndarray        # (G,) touched pixel of each group of pieces
     step: np.ndarray         # (G, C) colour step, weighted
     slope: np.ndarray        # (G, 8) area moved per unit of each parameter
-    index: np.ndarray        # (G, 8) parameters
+    segment: np.ndarray      # (G,)
+    index: np.ndarray        # (S, 8) parameters
     residual: np.ndarray     # (P, C) weighted
     damping: np.ndarray      # (X,)
     cost: float
@@ -155,8 +156,8 @@ def _linearise(wire: Wire, step: np.ndarray, target: Target) -> _Problem:
     index, damping = _parameters(wire)
     begins = np.flatnonzero(np.r_[True, (np.diff(pieces.segment) != 0) | (np.diff(pieces.pixel) != 0)])
     segment, pixel = pieces.segment[begins], number[begins]
-    slope = np.add.reduceat(_slopes(wire, pieces, _frames(wire)), begins, axis=0)
-    return _Problem(pixel, step[segment] * weight[pixel, None], slope, index[segment], residual, damping, cost)
+    slope = _slopes(wire, pieces, begins)
+    return _Problem(pixel, step[segment] * weight[pixel, None], slope, segment, index, residual, damping, cost)
 
 
 def _frames(wire: Wire) -> np.ndarray:
@@ -199,43 +200,45 @@ def _parameters(wire: Wire) -> Tuple[np.ndarray, np.ndarray]:
     return index, damping
 
 
-def _slopes(wire: Wire, pieces: Pieces, frame: np.ndarray) -> np.ndarray:
-    """Area (M, 8) that each piece moves to the left colour per unit of its segment's parameters."""
-    b = bezier.basis(pieces.t)
-    line = wire.line[pieces.segment]
-    begin = np.where(line, 1 - pieces.t, b[:, 0] + b[:, 1])
-    normal = np.stack([-pieces.move[:, 1], pieces.move[:, 0]], axis=1)
-    turned = np.einsum("mepd,md->mep", frame[pieces.segment], normal)
-    slope = np.empty((len(b), 8))
-    slope[:, 0:2] = begin[:, None] * normal
-    slope[:, 2:4] = b[:, 1, None] * turned[:, 0]
-    slope[:, 4:6] = (1 - begin)[:, None] * normal
-    slope[:, 6:8] = b[:, 2, None] * turned[:, 1]
-    return slope
+def _slopes(wire: Wire, pieces: Pieces, begins: np.ndarray) -> np.ndarray:
+    """Area (G, 8) that groups of pieces move to the left colour per unit of their segment's parameters."""
+    t, dx, dy = pieces.t, pieces.move[:, 0], pieces.move[:, 1]
+    s = 1 - t
+    share = np.where(wire.line[pieces.segment], s, s * s * (1 + 2 * t))
+    weights = (share, 3 * s * s * t, 1 - share, 3 * s * t * t)
+    moved = np.stack([np.add.reduceat(w * d, begins) for w in weights for d in (-dy, dx)], axis=1)
+    segment = pieces.segment[begins]
+    handles = moved.reshape(-1, 2, 4)[:, :, 2:]
+    moved.reshape(-1, 2, 4)[:, :, 2:] = np.einsum("gepd,ged->gep", _frames(wire)[segment], handles)
+    return moved
 
 
 def _solve(problem: _Problem) -> np.ndarray:
     """Parameters (X,) that lower the residual, by conjugate gradients on the normal equations."""
     n, p = len(problem.damping), len(problem.residual)
-    flat = problem.index.ravel()
+    begins = np.flatnonzero(np.diff(problem.segment, prepend=-1))
+    flat = problem.index[problem.segment[begins]].ravel()
+
+    def gather(slope: np.ndarray) -> np.ndarray:
+        return np.bincount(flat, np.add.reduceat(slope, begins, axis=0).ravel(), n)
 
     def back(residual: np.ndarray) -> np.ndarray:
-        pull = np.einsum("gc,gc->g", residual[problem.pixel], problem.step)
-        return np.bincount(flat, (problem.slope * pull[:, None]).ravel(), n)
+        pull = np.einsum("gc,gc->g", residual.take(problem.pixel, axis=0), problem.step)
+        return gather(problem.slope * pull[:, None])
 
     def normal(x: np.ndarray) -> np.ndarray:
-        area = np.einsum("gk,gk->g", problem.slope, x[problem.index])
+        area = np.einsum("gk,gk->g", problem.slope, x[problem.index].take(problem.segment, axis=0))
         change = np.stack([np.bincount(problem.pixel, area * problem.step[:, c], p)
                            for c in range(problem.step.shape[1])], axis=1)
         return back(change) + problem.damping * x
 
     square = np.einsum("gc,gc->g", problem.step, problem.step)
-    diagonal = np.bincount(flat, (problem.slope ** 2 * square[:, None]).ravel(), n) + problem.damping
+    diagonal = gather(problem.slope ** 2 * square[:, None]) + problem.damping
     x = np.zeros(n)
     rest = back(problem.residual)
     rest[0] = 0
     direction = ahead = rest / diagonal
-    size = rest.dot(ahead)
+    size = start = rest.dot(ahead)
     for _ in range(STEPS):
         image = normal(direction)
         pace = size / max(direction.dot(image), 1e-300)
@@ -244,7 +247,7 @@ def _solve(problem: _Problem) -> np.ndarray:
         rest[0] = 0
         ahead = rest / diagonal
         grown = rest.dot(ahead)
-        if grown <= 1e-6 * size:
+        if grown <= 1e-3 * start:
             break
         direction = ahead + grown / size * direction
         size = grown
