@@ -101,7 +101,7 @@ def find_corners(planar: PlanarMap, lines: Polylines, along: Arclength, corner_a
     -------
     Corners
     """
-    arc, length = _samples(along, np.flatnonzero(planar.left != 0))
+    arc, length = _samples(along, np.flatnonzero((planar.left != 0) & ~lines.corners()))
     ring = planar.rings
     coarse = _turn(along, arc, length, skip=1.3, arm=4.0)
     fine = _turn(along, arc, length, skip=0.4, arm=1.2, curved=False)
@@ -120,7 +120,10 @@ def find_corners(planar: PlanarMap, lines: Polylines, along: Arclength, corner_a
     keep = (meeting.turn > np.radians(corner_angle)) & fits & ~back
     caps = _caps(meeting, back, fits)
     found = Corners(*(np.concatenate(parts) for parts in zip((part[keep] for part in meeting.corners), *caps)))
-    found = Corners(*(part[np.lexsort((found.length, found.arc))] for part in found))
+    # The corners of a bar's end can lie beyond the end of an open arc.
+    within = ring[found.arc] | ((found.length > 0) & (found.length < along.total[found.arc]))
+    order = np.lexsort((found.length, found.arc))
+    found = Corners(*(part[order[within[order]]] for part in found))
     apart = np.ones(len(found.arc), bool)
     apart[1:] = (np.diff(found.arc) != 0) | (np.hypot(*np.diff(found.point, axis=0).T) >= NARROW)
     return Corners(*(part[apart] for part in found))

@@ -104,7 +104,9 @@ def touched_pixels(pieces: Pieces, size: int) -> Tuple[np.ndarray, np.ndarray]:
     mask = np.zeros(size, bool)
     mask[pieces.pixel] = True
     pixels = np.flatnonzero(mask)
-    return pixels, np.searchsorted(pixels, pieces.pixel)
+    number = np.empty(size, np.int32)
+    number[pixels] = np.arange(len(pixels))
+    return pixels, number[pieces.pixel]
 
 
 def colours_along(pieces: Pieces, pixels: np.ndarray, number: np.ndarray, step: np.ndarray,

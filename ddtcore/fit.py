@@ -27,6 +27,14 @@ MERGE_SHARE = 1.0
 """Share of the tolerance by which merged curves may differ from polished ones."""
 
 
+SHRINKING = 0.2
+"""Largest tolerance of a face's outline, as a share of the side of a square of its area."""
+
+
+SPILL = 0.02
+"""How far curves may bulge over the border of the picture, px."""
+
+
 FAINT = 8.0
 """Difference of two colours, of 255, at which the tolerance doubles."""
 
@@ -57,7 +65,7 @@ def fit_arcs(image: np.ndarray, labels: Labels, planar: PlanarMap, lines: Polyli
     colours = premultiplied(labels.palette[planar.face_labels])
     colours[0] = 0
     step = colours[planar.left] - colours[planar.right]
-    tolerance = _tolerances(step, options.tolerance + lines.slack)[runs.arc]
+    tolerance = np.minimum(_tolerances(step, options.tolerance + lines.slack), _room(planar))[runs.arc]
     segments = fit_runs(runs, tolerance)
     held = (runs.places == 0) | (runs.places == np.asarray(size))
     target = Target.of(image, step[planar.left != 0])
@@ -66,7 +74,8 @@ def fit_arcs(image: np.ndarray, labels: Labels, planar: PlanarMap, lines: Polyli
     runs, segments = simplify(wire, runs, segments, MERGE_SHARE * tolerance)
     wire = polish(wire_up(runs, segments, held, step), target, 3)
     starts = np.searchsorted(runs.arc[segments.run], np.arange(len(planar.tail) + 1))
-    return Curves(starts, wire.control(), np.where(wire.line, LINE, CUBIC).astype(np.uint8))
+    control = _kept_inside(wire.control(), np.asarray(size))
+    return Curves(starts, control, np.where(wire.line, LINE, CUBIC).astype(np.uint8))
 
 
 def _tolerances(step: np.ndarray, tolerance: np.ndarray) -> np.ndarray:
@@ -76,6 +85,24 @@ def _tolerances(step: np.ndarray, tolerance: np.ndarray) -> np.ndarray:
     its pixels tell where it lies, and the less anybody sees of it.
     """
     return tolerance * (1 + FAINT / np.maximum(np.abs(step).max(axis=1), 1))
+
+
+def _room(planar: PlanarMap) -> np.ndarray:
+    """Largest tolerance of each arc, px, at which the smaller of its two faces cannot shrink to nothing."""
+    area = np.bincount(planar.pixel_faces.ravel(), minlength=len(planar.face_labels)).astype(np.float64)
+    area[0] = np.inf
+    return SHRINKING * np.sqrt(np.minimum(area[planar.left], area[planar.right]))
+
+
+def _kept_inside(control: np.ndarray, size: np.ndarray) -> np.ndarray:
+    """Control points of segments without those bulges that leave the picture."""
+    control[:, [0, 3]] = np.clip(control[:, [0, 3]], 0, size)
+    far = np.flatnonzero(((control < 0) | (control > size)).any(axis=(1, 2)))
+    t = np.tile(np.linspace(0, 1, 17), len(far))
+    points = bezier.evaluate(control, np.repeat(far, 17), t).reshape(-1, 17, 2)
+    bulging = far[((points < -SPILL) | (points > size + SPILL)).any(axis=(1, 2))]
+    control[bulging] = np.clip(control[bulging], 0, size)
+    return control
 
 
 class Segments(NamedTuple):

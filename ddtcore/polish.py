@@ -18,10 +18,8 @@ import numpy as np
 
 from . import bezier
 from .coverage import Pieces, colours_along, cut_into_pixels, touched_pixels
+from .newton import Problem, solve
 from .position import premultiplied
-
-STEPS = 12
-"""Conjugate gradient steps in each round."""
 
 DOUBT = 0.5
 """A pixel that is off by more than this share of its contrast counts less and less."""
@@ -86,7 +84,7 @@ class Target(NamedTuple):
 
     def colours(self, pixels: np.ndarray) -> np.ndarray:
         """Colours (P, C) of pixels by their number ``row * width + col``."""
-        return premultiplied(self.image.reshape(-1, 4)[pixels]) @ self.basis
+        return np.einsum("pk,kc->pc", premultiplied(self.image.reshape(-1, 4)[pixels]), self.basis)
 
 
 def polish(wire: Wire, target: Target, rounds: int) -> Wire:
@@ -103,13 +101,13 @@ def polish(wire: Wire, target: Target, rounds: int) -> Wire:
     -------
     Wire
     """
-    step = wire.step @ target.basis
+    step = np.einsum("sk,kc->sc", wire.step, target.basis)
     best, least = wire, np.inf
     for _ in range(rounds):
-        problem = _linearise(wire, step, target)
-        if problem.cost < least:
-            best, least = wire, problem.cost
-        wire = _moved(wire, _solve(problem))
+        problem, cost = _linearise(wire, step, target)
+        if cost < least:
+            best, least = wire, cost
+        wire = _moved(wire, solve(problem))
     return wire if _misfit(wire, step, target).cost < least else best
 
 
@@ -127,11 +125,12 @@ def _misfit(wire: Wire, step: np.ndarray, target: Target) -> _Misfit:
     pieces = cut_into_pixels(wire.control(), wire.line, (h, w))
     pixels, number = touched_pixels(pieces, h * w)
     residual = target.colours(pixels) - colours_along(pieces, pixels, number, step[pieces.segment], w)
-    strength = np.einsum("sc,sc->s", step, step)[pieces.segment]
+    strength, rank = np.unique(np.einsum("sc,sc->s", step, step), return_inverse=True)
     contrast = np.zeros(len(pixels))
-    # Later entries win, so the strongest edge of each pixel comes last.
-    rising = np.argsort(strength, kind="stable")
-    contrast[number[rising]] = strength[rising]
+    # Later entries win, so the strongest edge of each pixel comes last; small ranks are sorted faster.
+    rank = rank.astype(np.min_scalar_type(len(strength)))[pieces.segment]
+    rising = np.argsort(rank, kind="stable")
+    contrast[number[rising]] = strength[rank[rising]]
     scale = 1 / np.sqrt(contrast + 16)
     off = np.sqrt(np.einsum("pc,pc->p", residual, residual)) * scale
     weight = scale / np.sqrt(np.maximum(off / DOUBT, 1))
@@ -139,25 +138,14 @@ def _misfit(wire: Wire, step: np.ndarray, target: Target) -> _Misfit:
     return _Misfit(pieces, number, residual * weight[:, None], weight, cost)
 
 
-class _Problem(NamedTuple):
-    pixel: np.ndarray        # (G,) touched pixel of each group of pieces
-    step: np.ndarray         # (G, C) colour step, weighted
-    slope: np.ndarray        # (G, 8) area moved per unit of each parameter
-    segment: np.ndarray      # (G,)
-    index: np.ndarray        # (S, 8) parameters
-    residual: np.ndarray     # (P, C) weighted
-    damping: np.ndarray      # (X,)
-    cost: float
-
-
-def _linearise(wire: Wire, step: np.ndarray, target: Target) -> _Problem:
-    """How each parameter would change the pixels."""
+def _linearise(wire: Wire, step: np.ndarray, target: Target) -> Tuple[Problem, float]:
+    """How each parameter would change the pixels, and how far off they are."""
     pieces, number, residual, weight, cost = _misfit(wire, step, target)
     index, damping = _parameters(wire)
     begins = np.flatnonzero(np.r_[True, (np.diff(pieces.segment) != 0) | (np.diff(pieces.pixel) != 0)])
     segment, pixel = pieces.segment[begins], number[begins]
     slope = _slopes(wire, pieces, begins)
-    return _Problem(pixel, step[segment] * weight[pixel, None], slope, segment, index, residual, damping, cost)
+    return Problem(pixel, segment, step[segment] * weight[pixel, None], slope, index, residual, damping), cost
 
 
 def _frames(wire: Wire) -> np.ndarray:
@@ -211,47 +199,6 @@ def _slopes(wire: Wire, pieces: Pieces, begins: np.ndarray) -> np.ndarray:
     handles = moved.reshape(-1, 2, 4)[:, :, 2:]
     moved.reshape(-1, 2, 4)[:, :, 2:] = np.einsum("gepd,ged->gep", _frames(wire)[segment], handles)
     return moved
-
-
-def _solve(problem: _Problem) -> np.ndarray:
-    """Parameters (X,) that lower the residual, by conjugate gradients on the normal equations."""
-    n, p = len(problem.damping), len(problem.residual)
-    begins = np.flatnonzero(np.diff(problem.segment, prepend=-1))
-    flat = problem.index[problem.segment[begins]].ravel()
-
-    def gather(slope: np.ndarray) -> np.ndarray:
-        return np.bincount(flat, np.add.reduceat(slope, begins, axis=0).ravel(), n)
-
-    def back(residual: np.ndarray) -> np.ndarray:
-        pull = np.einsum("gc,gc->g", residual.take(problem.pixel, axis=0), problem.step)
-        return gather(problem.slope * pull[:, None])
-
-    def normal(x: np.ndarray) -> np.ndarray:
-        area = np.einsum("gk,gk->g", problem.slope, x[problem.index].take(problem.segment, axis=0))
-        change = np.stack([np.bincount(problem.pixel, area * problem.step[:, c], p)
-                           for c in range(problem.step.shape[1])], axis=1)
-        return back(change) + problem.damping * x
-
-    square = np.einsum("gc,gc->g", problem.step, problem.step)
-    diagonal = gather(problem.slope ** 2 * square[:, None]) + problem.damping
-    x = np.zeros(n)
-    rest = back(problem.residual)
-    rest[0] = 0
-    direction = ahead = rest / diagonal
-    size = start = rest.dot(ahead)
-    for _ in range(STEPS):
-        image = normal(direction)
-        pace = size / max(direction.dot(image), 1e-300)
-        x += pace * direction
-        rest = rest - pace * image
-        rest[0] = 0
-        ahead = rest / diagonal
-        grown = rest.dot(ahead)
-        if grown <= 1e-3 * start:
-            break
-        direction = ahead + grown / size * direction
-        size = grown
-    return x
 
 
 def _moved(wire: Wire, x: np.ndarray) -> Wire:

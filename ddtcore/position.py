@@ -12,14 +12,14 @@ partial area effect", Image and Vision Computing 31, 2013).
 
 from __future__ import annotations
 
-from typing import List, Tuple
+from typing import List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
 from .border import barycentres
 from .model import Labels, Mesh, PlanarMap, Polylines
 from .options import TraceOptions
-from .staircase import SLACK, hard_arcs, through_runs
+from .staircase import SLACK, along_pixels, dot_arcs, hard_arcs, through_runs
 
 REACH = 4
 """How far from a crossing a flat side is looked for, px."""
@@ -88,7 +88,8 @@ def _by_coverage(image: np.ndarray, labels: Labels, mesh: Mesh,
     shares = [_share(_pixels(image, edge[:, k]), left, right) for k in (0, 1)]
     raw = _half_way(edge, shares, planar.left[arc] == 0)
     ends = _junction_means(mesh, planar, raw)
-    hard, hard_points, hard_arc = _staircases(planar, arc, edge, shares)
+    stairs = _staircases(planar, arc, edge, shares, ends)
+    hard, dot, hard_points, hard_arc = stairs.hard, stairs.dot, stairs.points, stairs.arc
     inner = np.flatnonzero((planar.left[arc] != 0) & ~hard[arc])
     inner = inner[_first_in_column(planar.rings, arc[inner], raw[inner], _tangents(planar, arc, raw)[inner])]
     tangent = _tangents(planar, arc, raw)[inner]
@@ -104,23 +105,39 @@ def _by_coverage(image: np.ndarray, labels: Labels, mesh: Mesh,
     return (np.concatenate([arc[inner][keep], arc[whole], hard_arc]),
             np.concatenate([position[keep], raw[whole], hard_points]),
             np.concatenate([weight, np.full(len(whole), 0.5), np.ones(len(hard_arc))]),
-            ends, np.where(hard, SLACK, 0.0))
+            ends, np.where(hard & ~dot, SLACK, 0.0), dot)
 
 
-def _staircases(planar: PlanarMap, arc: np.ndarray, edge: np.ndarray,
-                shares: List[np.ndarray]) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Which arcs are not anti-aliased, and the points of those."""
+class _Stairs(NamedTuple):
+    hard: np.ndarray         # (A,) arcs that are not anti-aliased
+    dot: np.ndarray          # (A,) those of them that follow the sides of pixels
+    arc: np.ndarray          # (M,)
+    points: np.ndarray       # (M, 2)
+
+
+def _staircases(planar: PlanarMap, arc: np.ndarray, edge: np.ndarray, shares: List[np.ndarray],
+                ends: np.ndarray) -> _Stairs:
+    """The arcs that are not anti-aliased, and their points; moves the junctions of dots (J, 2) in place."""
     step = edge[:, 1] - edge[:, 0]
+    plain = (np.abs(shares[0]) < FLAT) & (np.abs(shares[1] - 1) < FLAT)
     axis = np.flatnonzero((np.abs(step).sum(axis=1) == 1) & (planar.left[arc] != 0))
     upright = step[axis, 0] != 0
-    pure = (np.abs(shares[0][axis]) < FLAT) & (np.abs(shares[1][axis] - 1) < FLAT)
-    hard = hard_arcs(planar, arc[axis], upright, pure)
-    of_hard = hard[arc[axis]]
-    axis = axis[of_hard]
+    hard = hard_arcs(planar, arc[axis], upright, plain[axis])
+    dot = dot_arcs(planar, arc, plain)
     # The left side is where the edge ends: the walk goes at a right angle to it.
-    walk = np.stack([-step[axis, 1], step[axis, 0]], axis=1)
-    hard_arc, points = through_runs(planar.rings, arc[axis], walk, edge[axis].mean(axis=1))
-    return hard, points, hard_arc
+    walk, middle = np.stack([-step[:, 1], step[:, 0]], axis=1), edge.mean(axis=1)
+    exact, runs = axis[dot[arc[axis]]], axis[(hard & ~dot)[arc[axis]]]
+    dot_arc, corners = along_pixels(planar.rings, arc[exact], walk[exact], middle[exact])
+    run_arc, points = through_runs(planar.rings, arc[runs], walk[runs], middle[runs])
+    # An open arc gives its junctions their place.
+    first = np.flatnonzero(np.diff(dot_arc, prepend=-1).astype(bool) & ~planar.rings[dot_arc])
+    last = np.searchsorted(dot_arc, dot_arc[first], side="right") - 1
+    ends[planar.tail[dot_arc[first]]], ends[planar.head[dot_arc[last]]] = corners[first], corners[last]
+    inside = np.ones(len(dot_arc), bool)
+    inside[first] = (corners[first] != ends[planar.tail[dot_arc[first]]]).any(axis=1)
+    inside[last] &= (corners[last] != ends[planar.head[dot_arc[last]]]).any(axis=1)
+    return _Stairs(hard | dot, dot, np.concatenate([run_arc, dot_arc[inside]]),
+                   np.concatenate([points, corners[inside]]))
 
 
 def _crossed_edges(mesh: Mesh, planar: PlanarMap) -> np.ndarray:
@@ -243,7 +260,8 @@ def _sum_between_flats(share: np.ndarray, off: np.ndarray) -> Tuple[np.ndarray, 
 
 
 def _assemble(mesh: Mesh, planar: PlanarMap, arc: np.ndarray, points: np.ndarray,
-              weight: np.ndarray, ends: np.ndarray, slack: np.ndarray) -> Polylines:
+              weight: np.ndarray, ends: np.ndarray, slack: np.ndarray,
+              angular: Optional[np.ndarray] = None) -> Polylines:
     """Put junctions at the ends of open arcs, and the picture's own border in place."""
     inner = planar.left[arc] != 0
     pieces = [(arc[inner], np.ones(inner.sum(), np.int64), points[inner], weight[inner])]
@@ -257,7 +275,7 @@ def _assemble(mesh: Mesh, planar: PlanarMap, arc: np.ndarray, points: np.ndarray
     arc, rank, points, weight = (np.concatenate(part) for part in zip(*pieces))
     order = np.lexsort((rank, arc))
     starts = np.searchsorted(arc[order], np.arange(len(planar.tail) + 1))
-    return Polylines(starts, points[order], weight[order], slack)
+    return Polylines(starts, points[order], weight[order], slack, angular)
 
 
 def _frame_corners(mesh: Mesh, planar: PlanarMap, arc: int, ends: np.ndarray) -> np.ndarray:

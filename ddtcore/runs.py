@@ -117,11 +117,11 @@ def _knots(planar: PlanarMap, lines: Polylines, along: Arclength,
 
 
 def _frame_knots(planar: PlanarMap, lines: Polylines, along: Arclength) -> Tuple[np.ndarray, ...]:
-    """Every inner point of the arcs along the picture's border is a knot."""
+    """Every inner point of the arcs along the picture's border, and of angular ones, is a knot."""
     count = np.diff(lines.starts)
     arc = np.repeat(np.arange(len(count)), count)
     offset = np.arange(len(arc)) - lines.starts[arc]
-    inner = (planar.left[arc] == 0) & (planar.rings[arc] | ((offset > 0) & (offset < count[arc] - 1)))
+    inner = ((planar.left == 0) | lines.corners())[arc] & (planar.rings[arc] | ((offset > 0) & (offset < count[arc] - 1)))
     return arc[inner], along.at_point[inner], lines.points[inner]
 
 

@@ -21,6 +21,9 @@ SLACK = 0.35
 LONG, STRAIGHT, SQUARE = 6, 3.0, 4
 """Runs longer than LONG are straight but for STRAIGHT px at either end; two of SQUARE px meet in a corner."""
 
+DOT = 4
+"""Largest region that is drawn as its pixels where these are pure, px²: it has no curve to be found."""
+
 
 def hard_arcs(planar: PlanarMap, arc: np.ndarray, upright: np.ndarray, pure: np.ndarray) -> np.ndarray:
     """Which arcs are staircases: nearly all of their steps show no mixed pixel.
@@ -45,6 +48,49 @@ def hard_arcs(planar: PlanarMap, arc: np.ndarray, upright: np.ndarray, pure: np.
     return (steps > 0) & (clean >= 0.8 * steps)
 
 
+def dot_arcs(planar: PlanarMap, arc: np.ndarray, pure: np.ndarray) -> np.ndarray:
+    """Which arcs (A,) bound a region of a few pixels and pass pure pixels only.
+
+    Parameters
+    ----------
+    planar : PlanarMap
+    arc : ndarray of shape (N,)
+        Arc of each crossing.
+    pure : ndarray of shape (N,) and dtype bool
+        Whether both ends of the mesh edge have the plain colour of their face.
+    """
+    area = np.bincount(planar.pixel_faces.ravel(), minlength=len(planar.face_labels))
+    small = np.minimum(area[planar.left], area[planar.right]) <= DOT
+    return small & (planar.left != 0) & (np.bincount(arc, ~pure, len(small)) == 0)
+
+
+def along_pixels(ring: np.ndarray, arc: np.ndarray, walk: np.ndarray,
+                 middle: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Corners of the outlines that follow the sides of pixels; parameters and results as of `through_runs`.
+
+    Open arcs begin and end with the corners of pixels at which their junctions lie.
+    """
+    ends = np.stack([middle - walk / 2, middle + walk / 2], axis=1)
+    head, tail = _run_ends(arc, walk, middle)
+    points = np.stack([ends[head, 0], ends[tail, 1]], axis=1).reshape(-1, 2)
+    arc = np.repeat(arc[head], 2)
+    before = np.arange(len(arc)) - 1
+    first = np.searchsorted(arc, arc) == np.arange(len(arc))
+    before[first] = np.searchsorted(arc, arc[first], side="right") - 1
+    fresh = (points != points[before]).any(axis=1) | (first & ~ring[arc])
+    return arc[fresh], points[fresh]
+
+
+def _run_ends(arc: np.ndarray, walk: np.ndarray, middle: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """The first and the last crossing of each straight run along the sides of pixels."""
+    fresh = np.ones(len(arc), bool)
+    fresh[1:] = (arc[1:] != arc[:-1]) | (walk[1:] != walk[:-1]).any(axis=1)
+    # After a step to the side the walk can go on as before, on another level.
+    fresh[1:] |= np.abs(middle[1:] - middle[:-1] - walk[:-1]).sum(axis=1) > 0.1
+    heads = np.flatnonzero(fresh)
+    return heads, np.append(heads[1:], len(arc))[:len(heads)] - 1
+
+
 def through_runs(ring: np.ndarray, arc: np.ndarray, walk: np.ndarray,
                  middle: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """Points of the curves that staircases stand for, about a pixel apart.
@@ -67,12 +113,7 @@ def through_runs(ring: np.ndarray, arc: np.ndarray, walk: np.ndarray,
     """
     if not len(arc):
         return arc, middle
-    fresh = np.ones(len(arc), bool)
-    fresh[1:] = (arc[1:] != arc[:-1]) | (walk[1:] != walk[:-1]).any(axis=1)
-    # After a step to the side the walk can go on as before, on another level.
-    fresh[1:] |= np.abs(middle[1:] - middle[:-1] - walk[:-1]).sum(axis=1) > 0.1
-    heads = np.flatnonzero(fresh)
-    tails = np.append(heads[1:], len(arc)) - 1
+    heads, tails = _run_ends(arc, walk, middle)
     first, last, along, run_arc = middle[heads], middle[tails], walk[heads], arc[heads]
     length = np.einsum("rd,rd->r", last - first, along) + 1
     inset = np.where(length > LONG, STRAIGHT - 0.5, (length - 1) / 2)[:, None]
