@@ -21,6 +21,9 @@ from .coverage import Pieces, colours_along, cut_into_pixels, touched_pixels
 from .newton import Problem, solve
 from .position import premultiplied
 
+MUCH = 30000.0
+"""Length of all outlines, px, up to which every pixel is explained; four times as much, blocks of 2 by 2."""
+
 DOUBT = 0.5
 """A pixel that is off by more than this share of its contrast counts less and less."""
 
@@ -69,22 +72,35 @@ class Target(NamedTuple):
     basis : ndarray of shape (4, C)
         Directions in premultiplied colour that tell the two sides of all edges apart;
         black and white art needs one.
+    block : int
+        Pixels of the picture along the side of one that is explained: large pictures tell
+        enough at a lower resolution.
     """
 
     image: np.ndarray
     basis: np.ndarray
+    block: int = 1
 
     @classmethod
-    def of(cls, image: np.ndarray, steps: np.ndarray) -> "Target":
-        """The target for edges with these colour steps (A, 4)."""
+    def of(cls, image: np.ndarray, steps: np.ndarray, length: float) -> "Target":
+        """The target for edges with these colour steps (A, 4) and of this length, px."""
         # A step of nothing changes no direction, and serves where there are no edges.
         steps = np.unique(np.concatenate([steps, np.zeros((1, 4))]), axis=0)
         _, size, directions = np.linalg.svd(steps, full_matrices=False)
-        return cls(image, directions[:max(int((size > 1e-3 * size[:1]).sum()), 1)].T.astype(np.float64))
+        basis = directions[:max(int((size > 1e-3 * size[:1]).sum()), 1)].T.astype(np.float64)
+        return cls(image, basis, max(int(np.ceil(np.sqrt(length / MUCH))), 1))
+
+    @property
+    def shape(self) -> Tuple[int, int]:
+        """Rows and columns of whole blocks."""
+        return self.image.shape[0] // self.block, self.image.shape[1] // self.block
 
     def colours(self, pixels: np.ndarray) -> np.ndarray:
-        """Colours (P, C) of pixels by their number ``row * width + col``."""
-        return np.einsum("pk,kc->pc", premultiplied(self.image.reshape(-1, 4)[pixels]), self.basis)
+        """Colours (P, C) of blocks by their number ``row * width + col``."""
+        row, col = (self.block * place for place in np.divmod(pixels, max(self.shape[1], 1)))
+        across = range(self.block)
+        mean = sum(premultiplied(self.image[row + y, col + x]) for y in across for x in across) / self.block ** 2
+        return np.einsum("pk,kc->pc", mean, self.basis)
 
 
 def polish(wire: Wire, target: Target, rounds: int) -> Wire:
@@ -102,13 +118,18 @@ def polish(wire: Wire, target: Target, rounds: int) -> Wire:
     Wire
     """
     step = np.einsum("sk,kc->sc", wire.step, target.basis)
+    wire = _scaled(wire, 1 / target.block)
     best, least = wire, np.inf
     for _ in range(rounds):
         problem, cost = _linearise(wire, step, target)
         if cost < least:
             best, least = wire, cost
         wire = _moved(wire, solve(problem))
-    return wire if _misfit(wire, step, target).cost < least else best
+    return _scaled(wire if _misfit(wire, step, target).cost < least else best, target.block)
+
+
+def _scaled(wire: Wire, scale: float) -> Wire:
+    return wire._replace(nodes=scale * wire.nodes, handles=scale * wire.handles)
 
 
 class _Misfit(NamedTuple):
@@ -121,7 +142,7 @@ class _Misfit(NamedTuple):
 
 def _misfit(wire: Wire, step: np.ndarray, target: Target) -> _Misfit:
     """How the picture differs from what the curves would give."""
-    h, w = target.image.shape[:2]
+    h, w = target.shape
     pieces = cut_into_pixels(wire.control(), wire.line, (h, w))
     pixels, number = touched_pixels(pieces, h * w)
     residual = target.colours(pixels) - colours_along(pieces, pixels, number, step[pieces.segment], w)

@@ -27,10 +27,11 @@ from pictures import (
 
 from ddtcore import bezier
 from ddtcore.corner import Arclength, find_corners
-from ddtcore.fit import fit_arcs, fit_runs
+from ddtcore.fit import fit_arcs
 from ddtcore.model import CUBIC, LINE
 from ddtcore.options import TraceOptions
 from ddtcore.runs import cut_at_knots
+from ddtcore.segments import fit_runs
 
 CENTRE = (24.3, 23.8)
 

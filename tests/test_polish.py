@@ -22,7 +22,7 @@ def pixels(share) -> np.ndarray:
 
 
 def polished(wire, image, rounds):
-    return polish(wire, Target.of(image, wire.step), rounds)
+    return polish(wire, Target.of(image, wire.step, 0), rounds)
 
 
 def loop(nodes, handles, smooth, line) -> Wire:
