@@ -12,11 +12,10 @@ from ddtcore.inkscape.log import note
 
 try:
     import inkex
-    from lxml import etree
 
     # Importing inkex turns all warnings on, and Inkscape shows each one in a box.
     warnings.simplefilter("ignore")
-    from ddtcore.inkscape import effect, faults, links, settings, source
+    from ddtcore.inkscape import document, effect, faults, links, settings, source
 except ImportError as error:
     if __name__ != "__main__":
         raise
@@ -45,10 +44,14 @@ class DdtTrace(inkex.EffectExtension):
             self.arg_parser.error(str(error))
 
     def load(self, stream):
-        try:
-            return super().load(stream)
-        except (AttributeError, etree.XMLSyntaxError):  # there is no root element, or it is another one
-            raise inkex.AbortExtension(f"{self.options.input_file} is not an SVG document.") from None
+        with faults.plain_messages():
+            tree = document.load_document(stream, str(self.options.input_file))
+        self.svg = tree.getroot()
+        self.svg.selection.set(*self.options.ids)
+        return tree
+
+    def has_changed(self, ret):
+        return True
 
     def effect(self):
         copy = self.options.input_file if isinstance(self.options.input_file, str) else None

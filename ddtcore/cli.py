@@ -12,25 +12,28 @@ import os
 import sys
 import warnings
 from dataclasses import fields
-from typing import Any, Dict, List, NoReturn, Optional, Sequence
+from typing import Any, Dict, Iterator, List, NoReturn, Optional, Sequence, Tuple
 
 from . import __version__
-from .files import STANDARD, Job, default_target, run_all
+from .files import STANDARD, Job, Outcome, default_target, run_all
 from .options import PRESETS, TraceOptions
+from .progress import ProgressLine
 
 _INTERRUPTED = 130
 
 _GROUPS = {
-    "what to draw": ("result", "stacking", "decimals"),
-    "colours and regions": ("regions", "threshold", "colors", "speckle"),
+    "what to draw": ("result", "stacking", "group", "decimals"),
+    "colours and regions": ("colors", "palette", "merge", "background", "gradients", "speckle", "areas",
+                            "regions", "threshold", "level"),
     "triangulation": ("cost", "flips", "work"),
+    "limits": ("seconds", "megapixels"),
     "outlines and curves": ("positions", "curves", "tolerance", "corner", "suppression"),
 }
 """Settings by heading of the help; those named nowhere come under the last one."""
 
 _OTHERS = "more settings"
 
-_UNITS = {"px": "PX", "px²": "AREA", "%": "PERCENT", "degrees": "DEGREES"}
+_UNITS = {"px": "PX", "px²": "AREA", "%": "PERCENT", "degrees": "DEGREES", "s": "SECONDS"}
 
 _EXAMPLES = """\
 examples:
@@ -40,8 +43,28 @@ examples:
   %(prog)s scan.jpg --colors 8 --speckle 20
   %(prog)s picture.png --preset paper --report
   cat picture.png | %(prog)s - > drawing.svg
+  %(prog)s compare picture.png    a page that shows both
 
-exit status: 0 if all went well, 1 if a picture failed, 2 on bad usage."""
+exit status: 0 if all went well, 1 if a picture failed, 2 on bad usage,
+130 if interrupted."""
+
+_ABOUT = "Trace clip-art bitmaps into SVG: areas of colour bounded by Bezier curves."
+
+_COMPARE = "compare"
+
+_COMPARE_ABOUT = """\
+Write an HTML page that shows a picture and its trace under a divider, with the
+stages of the method, the report, and the same at three settings."""
+
+_COMPARE_EXAMPLES = """\
+examples:
+  %(prog)s picture.png                 writes picture.html
+  %(prog)s picture.png -o page.html
+  %(prog)s *.png --out-dir pages
+  %(prog)s scan.jpg --colors 8 --speckle 20
+
+The page needs no network: open it in any browser, or send it to somebody.
+A picture with the name "compare" is traced as ./compare."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -62,8 +85,12 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     int
         Exit code.
     """
+    # The matrices here are small: threads for them only get into each other's way.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    page = words[:1] == [_COMPARE]
     try:
-        return _run(_parser(), arguments)
+        return _run(_parser(page), words[page:], page)
     except KeyboardInterrupt:
         return _INTERRUPTED
     except BrokenPipeError:
@@ -72,51 +99,83 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
         return 0
 
 
-def _run(parser: _Parser, arguments: Optional[Sequence[str]]) -> int:
+def _run(parser: _Parser, arguments: Sequence[str], page: bool) -> int:
     parsed, unknown = parser.parse_known_args(arguments)
     _refuse_unknown(parser, unknown)
-    jobs = _jobs(parser, parsed)
+    jobs = _jobs(parser, parsed, page)
     if not sys.warnoptions:
         warnings.simplefilter("ignore")
-    failed = 0
-    for outcome in run_all(jobs, parsed.jobs):
-        if outcome.error:
-            failed += 1
-            _say(parser, outcome.error)
-        elif not parsed.quiet:
-            for note in outcome.notes:
-                _say(parser, f"{outcome.job.source}: {note}")
-        if outcome.report:
-            to_error = outcome.job.target == STANDARD
-            print(outcome.report, file=sys.stderr if to_error else sys.stdout, flush=True)
+    outcomes = _outcomes(jobs, parsed.jobs, show=not parsed.quiet and sys.stderr.isatty())
+    failed = sum(_tell(parser, outcome, parsed.quiet) for outcome in outcomes)
     if len(jobs) > 1 and not parsed.quiet:
         _say(parser, f"{len(jobs) - failed} of {len(jobs)} pictures traced, {failed} failed")
     return 1 if failed else 0
+
+
+def _outcomes(jobs: Sequence[Job], workers: int, show: bool) -> Iterator[Outcome]:
+    """Do all jobs; meanwhile the last line of the terminal says how far they are."""
+    line, done = ProgressLine(sys.stderr), 0
+
+    def tell(job: Job, stage: str, share: float) -> None:
+        number = f"{done + 1} of {len(jobs)}, " if len(jobs) > 1 else ""
+        line.show(f"{number}{job.source}: {stage}, {share:.0%}")
+
+    try:
+        for outcome in run_all(jobs, workers, tell if show else None):
+            line.clear()
+            yield outcome
+            done += 1
+            if show and done < len(jobs):
+                line.show(f"{done} of {len(jobs)} done")
+    finally:
+        line.clear()
+
+
+def _tell(parser: _Parser, outcome: Outcome, quiet: bool) -> bool:
+    """Say what came of a job; returns whether it failed."""
+    if outcome.error:
+        _say(parser, outcome.error)
+    elif not quiet:
+        for note in outcome.notes:
+            _say(parser, f"{outcome.job.source}: {note}")
+    if outcome.report:
+        to_error = outcome.job.target == STANDARD
+        print(outcome.report, file=sys.stderr if to_error else sys.stdout, flush=True)
+    return bool(outcome.error)
 
 
 def _say(parser: _Parser, text: str) -> None:
     print(f"{parser.prog}: {text}", file=sys.stderr, flush=True)
 
 
-def _parser() -> _Parser:
+def _parser(page: bool = False) -> _Parser:
     program = os.path.basename(sys.argv[0])
+    program = "python3 -m ddtcore" if program == "__main__.py" else program
     parser = _Parser(
-        prog="python3 -m ddtcore" if program == "__main__.py" else program,
+        prog=f"{program} {_COMPARE}" if page else program,
         usage="%(prog)s [options] PICTURE...", allow_abbrev=False, add_help=False,
-        description="Trace clip-art bitmaps into SVG: areas of colour bounded by Bezier curves.",
-        epilog=_EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter)
+        description=_COMPARE_ABOUT if page else _ABOUT, epilog=_COMPARE_EXAMPLES if page else _EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter)
     files = parser.add_argument_group("files")
     files.add_argument("pictures", metavar="PICTURE", nargs="*",
                        help="bitmap of any kind that Pillow reads, - for standard input")
     files.add_argument("-o", "--output", metavar="FILE",
-                       help="drawing, .svg or .svgz, - for standard output (default: beside the picture)")
-    files.add_argument("--out-dir", metavar="FOLDER", help="folder for the drawings, made if it is missing")
+                       help=f"{'page, .html' if page else 'drawing, .svg or .svgz'}, - for standard output"
+                       " (default: beside the picture)")
+    files.add_argument("--out-dir", metavar="FOLDER",
+                       help=f"folder for the {'pages' if page else 'drawings'}, made if it is missing")
     files.add_argument("--jobs", metavar="N", type=int, default=1,
                        help="pictures to trace at a time, 0 for one per processor (default: 1)")
     say = parser.add_argument_group("what to say")
-    say.add_argument("--report", action="store_true",
-                     help="print sizes of the bitmap, the triangles and the curves, ratios and counts")
-    say.add_argument("--json", action="store_true", help="the report as JSON, one line per picture")
+    if page:
+        parser.set_defaults(report=False, timings=False, json=False)
+    else:
+        say.add_argument("--report", action="store_true",
+                         help="print sizes of the bitmap, the triangles and the curves, ratios and counts")
+        say.add_argument("--timings", action="store_true",
+                         help="print how long each stage took, and the most memory used by then")
+        say.add_argument("--json", action="store_true",
+                         help="the report, or the timings, or both, as JSON: one line per picture")
     say.add_argument("-q", "--quiet", action="store_true", help="print errors only")
     say.add_argument("--version", action="version", version=f"DDT Trace {__version__}")
     say.add_argument("-h", "--help", action="help", help="print this and end")
@@ -141,9 +200,11 @@ def _add_settings(parser: _Parser) -> None:
 def _add_setting(group: Any, name: str, default: Any, meta: Any) -> None:
     if meta["choices"]:
         values, metavar = ", ".join(meta["choices"]), "NAME"
+    elif isinstance(default, str):
+        values, metavar = "colours, or a .gpl file", "COLOURS"
     else:
         values, metavar = f"{meta['low']:.15g} to {meta['high']:.15g}", _UNITS.get(meta["unit"], "N")
-    shown = default if isinstance(default, str) else f"{default:.15g}"
+    shown = default or "none" if isinstance(default, str) else f"{default:.15g}"
     group.add_argument(
         _flag(name), dest=name, metavar=metavar, type=type(default), default=argparse.SUPPRESS,
         help=f"{meta['help']}: {values} (default: {shown})".replace("%", "%%"))
@@ -174,7 +235,7 @@ def _options(parser: _Parser, parsed: argparse.Namespace) -> TraceOptions:
         parser.error(f"{_flag(name)} {rest}")
 
 
-def _jobs(parser: _Parser, parsed: argparse.Namespace) -> List[Job]:
+def _jobs(parser: _Parser, parsed: argparse.Namespace, page: bool) -> List[Job]:
     """What is to be done; refuses arguments that contradict each other."""
     pictures, output, folder = parsed.pictures, parsed.output, parsed.out_dir
     options = _options(parser, parsed)
@@ -186,23 +247,27 @@ def _jobs(parser: _Parser, parsed: argparse.Namespace) -> List[Job]:
         parser.error("-o and - are for one picture; --out-dir takes many")
     if output is not None and folder:
         parser.error("-o and --out-dir exclude each other")
-    if output not in (None, STANDARD) and not _can_hold_svg(output):
-        parser.error(f"-o must end in .svg or .svgz, not {output!r}")
+    endings = (".html", ".htm") if page else (".svg", ".svgz")
+    if output not in (None, STANDARD) and not _can_hold(output, endings):
+        parser.error(f"-o must end in {' or '.join(endings)}, not {output!r}")
     if folder:
         try:
             os.makedirs(folder, exist_ok=True)
         except OSError as error:
             parser.error(f"--out-dir {folder!r} can't be made: {error.strerror}")
-    reports = "json" if parsed.json else "text" if parsed.report else ""
-    jobs = [Job(picture, output or (STANDARD if picture == STANDARD else default_target(picture, folder)),
-                options, reports) for picture in pictures]
+    form = "json" if parsed.json else "text"
+    report = form if parsed.report or (parsed.json and not parsed.timings) else ""
+    timings = form if parsed.timings else ""
+    jobs = [Job(picture, output or (STANDARD if picture == STANDARD
+                                    else default_target(picture, folder, endings[0])),
+                options, report, timings, page) for picture in pictures]
     _refuse_collisions(parser, jobs)
     return jobs
 
 
-def _can_hold_svg(output: str) -> bool:
+def _can_hold(output: str, endings: Tuple[str, ...]) -> bool:
     is_device = os.path.exists(output) and not os.path.isfile(output) and not os.path.isdir(output)
-    return is_device or output.lower().endswith((".svg", ".svgz"))
+    return is_device or output.lower().endswith(endings)
 
 
 def _refuse_collisions(parser: _Parser, jobs: Sequence[Job]) -> None:

@@ -134,7 +134,7 @@ class _Spans(NamedTuple):
     end: np.ndarray          # (M, 1) complex
     tangent: np.ndarray      # (M, 2) complex
     smooth: np.ndarray       # (M, 2)
-    index: np.ndarray        # (M, K) numbers of the samples
+    index: np.ndarray        # type: ignore[assignment]  # (M, K) numbers of the samples
     place: np.ndarray        # (M, K) complex
     weight: np.ndarray       # (M, K)
     share: np.ndarray        # (M, K) of the way from start to end
@@ -154,7 +154,8 @@ def _spans(track: Track, first: np.ndarray, last: np.ndarray, ends: Ends) -> _Sp
     start, end = _complex(ends.point).T[..., None]
     before = np.abs(track.place[first][:, None] - start)
     walked = before + track.walked[index] - track.walked[first][:, None]
-    whole = before + np.abs(end - track.place[last - 1][:, None]) + (track.walked[last - 1] - track.walked[first])[:, None]
+    whole = before + np.abs(end - track.place[last - 1][:, None])
+    whole += (track.walked[last - 1] - track.walked[first])[:, None]
     return _Spans(first, last, start, end, _complex(ends.tangent), ends.smooth, index, track.place[index],
                   np.where(offset < count, track.weight[index], 0), walked / np.maximum(whole, 1e-9))
 
@@ -250,12 +251,12 @@ def _solve(spans: _Spans, t: np.ndarray, turn: np.ndarray, slide: float) -> np.n
     s, m = 1 - t, len(t)
     lead = turn * np.sqrt(spans.weight)
     rest = lead * (spans.place - spans.end + s * s * (1 + 2 * t) * (spans.end - spans.start))
-    design = np.empty((m, 4, 2, t.shape[1]))
+    parts = np.empty((m, 4, 2, t.shape[1]))
     for end, weight in ((0, 3 * s * s * t), (1, 3 * s * t * t)):
         column = lead * weight * spans.tangent[:, end, None]
-        design[:, 2 * end, 0], design[:, 2 * end, 1] = column.imag, slide * column.real
-        design[:, 2 * end + 1, 0], design[:, 2 * end + 1, 1] = column.real, -slide * column.imag
-    design = design.reshape(m, 4, -1)
+        parts[:, 2 * end, 0], parts[:, 2 * end, 1] = column.imag, slide * column.real
+        parts[:, 2 * end + 1, 0], parts[:, 2 * end + 1, 1] = column.real, -slide * column.imag
+    design = parts.reshape(m, 4, -1)
     normal = design @ design.transpose(0, 2, 1)
     right = design @ np.concatenate([rest.imag, slide * rest.real], axis=1)[..., None]
     chord = np.maximum(np.abs(spans.end - spans.start), 1e-6)

@@ -217,6 +217,11 @@ def refined(field: Field, samples: Samples) -> Tuple[Field, np.ndarray]:
     return field, state.off
 
 
+def unexplained(field: Field, samples: Samples) -> np.ndarray:
+    """What the best free colours along a field leave of the colours (n, C)."""
+    return _linearise(field, samples).off
+
+
 def total_error(off: np.ndarray, count: np.ndarray) -> float:
     """Sum of the squared differences (n, C) of colours, none counting more than a wrong pixel."""
     return float(count.dot(np.minimum((off ** 2).sum(axis=1), _WRONG)))

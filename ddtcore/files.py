@@ -10,9 +10,15 @@ import os
 import signal
 import sys
 from itertools import zip_longest
-from typing import Iterator, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Callable, Iterator, NamedTuple, Optional, Sequence, Tuple, Union
 
-from .options import TraceOptions
+from .options import Automatic, TraceOptions
+from .progress import Stopwatch
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from .model import Drawing
 
 STANDARD = "-"
 """In place of a file: standard input or output."""
@@ -28,16 +34,26 @@ class Job(NamedTuple):
     options : TraceOptions
     report : str
         Also report on it: ``"text"``, ``"json"``, or ``""`` for no report.
+    timings : str
+        Also say how long each stage took, in the same ways.
+    page : bool
+        Write the page that compares the picture with its trace in place of the drawing.
     """
 
     source: str
     target: str
     options: TraceOptions
     report: str = ""
+    timings: str = ""
+    page: bool = False
+
+
+Tell = Callable[[Job, str, float], object]
+"""Told what stage of a job begins, and the share of the job that is done by then."""
 
 
 class Outcome(NamedTuple):
-    """What came of a job: an error in one line, or "" and the notes and the report."""
+    """What came of a job: an error in one line, or "" and the notes and what there is to report."""
 
     job: Job
     error: str = ""
@@ -71,17 +87,17 @@ def trace_file(path: Union[str, os.PathLike[str]], out: Union[str, os.PathLike[s
     """
     source = os.fspath(path)
     target = default_target(source) if out is None else os.fspath(out)
-    _run(Job(source, target, options or TraceOptions()))
+    _run(Job(source, target, options or Automatic()))
     return target
 
 
-def default_target(source: str, folder: Optional[str] = None) -> str:
-    """The drawing's file: beside the picture or in a folder, with the ending ``.svg``."""
+def default_target(source: str, folder: Optional[str] = None, ending: str = ".svg") -> str:
+    """The drawing's file: beside the picture or in a folder."""
     stem = os.path.splitext(source)[0]
-    return (stem if folder is None else os.path.join(folder, os.path.basename(stem))) + ".svg"
+    return (stem if folder is None else os.path.join(folder, os.path.basename(stem))) + ending
 
 
-def run_all(jobs: Sequence[Job], workers: int = 1) -> Iterator[Outcome]:
+def run_all(jobs: Sequence[Job], workers: int = 1, tell: Optional[Tell] = None) -> Iterator[Outcome]:
     """Do all jobs and say what came of each, in their order but for those that lost a worker.
 
     Parameters
@@ -89,10 +105,13 @@ def run_all(jobs: Sequence[Job], workers: int = 1) -> Iterator[Outcome]:
     jobs : sequence of Job
     workers : int
         Processes to use, 0 for as many as there are processors.
+    tell : callable, optional
+        Told of every stage of every job, if there is but one process.
     """
     workers = min(workers or _processors(), len(jobs))
     if workers < 2:
-        yield from map(_attempt, jobs)
+        for job in jobs:
+            yield _attempt(job, tell)
         return
     while jobs:
         lost = []
@@ -145,12 +164,12 @@ def _processors() -> int:
     return os.cpu_count() or 1
 
 
-def _attempt(job: Job) -> Outcome:
+def _attempt(job: Job, tell: Optional[Tell] = None) -> Outcome:
     """Do a job; whatever goes wrong becomes one line of text."""
     from .raster import ImageError
 
     try:
-        return _run(job)
+        return _run(job, tell)
     except BrokenPipeError:
         raise
     except ImageError as error:
@@ -165,25 +184,63 @@ def _attempt(job: Job) -> Outcome:
     return Outcome(job, " ".join(reason.split()))
 
 
-def _run(job: Job) -> Outcome:
+def _run(job: Job, tell: Optional[Tell] = None) -> Outcome:
+    watch = Stopwatch()
+
+    def begin(stage: str, share: float) -> None:
+        watch(stage)
+        if tell:
+            tell(job, stage, share)
+
+    begin("start", 0)
     from .pipeline import trace
     from .raster import ImageError, load_image
     from .svg import encoded, save
 
+    begin("reading", 0)
     image = load_image(sys.stdin.buffer.read() if job.source == STANDARD else job.source)
     if STANDARD not in job[:2] and os.path.exists(job.target) and os.path.samefile(job.source, job.target):
         raise ImageError(f"{job.target} is the picture itself: choose another output")
-    drawing = trace(image, job.options)
+    if job.page:
+        return _compare(job, image)
+    drawing = trace(image, job.options, begin)
+    begin("writing", 0.97)
     if job.target == STANDARD:
         sys.stdout.buffer.writelines(encoded(drawing))
         sys.stdout.buffer.flush()
     else:
         save(drawing, job.target)
-    text = ""
+    watch.stop()
+    return Outcome(job, notes=drawing.notes, report=_report(job, image, drawing, watch))
+
+
+def _report(job: Job, image: np.ndarray, drawing: Drawing, watch: Stopwatch) -> str:
+    """What the job asks for besides the drawing: figures, timings, or both."""
+    figures = None
     if job.report:
         from .report import report
 
-        curves = drawing if job.options.result == "curves" else None
-        figures = report(image, job.options, curves, job.source)
-        text = figures.to_json() if job.report == "json" else figures.to_text()
-    return Outcome(job, notes=drawing.notes, report=text)
+        figures = report(image, job.options, drawing if job.options.result == "curves" else None, job.source)
+    if "json" in (job.report, job.timings):
+        import json
+
+        data = figures.to_dict() if figures else {"picture": job.source}
+        return json.dumps({**data, "timings": watch.to_dicts()} if job.timings else data)
+    texts = [figures.to_text()] if figures else []
+    if job.timings:
+        texts += [watch.to_text()] if figures else [job.source, watch.to_text()]
+    return "\n".join(texts)
+
+
+def _compare(job: Job, image: np.ndarray) -> Outcome:
+    from .compare import compare
+    from .svg import write
+
+    name = "standard input" if job.source == STANDARD else os.path.basename(job.source)
+    page = compare(image, job.options, name).encode("utf-8")
+    if job.target == STANDARD:
+        sys.stdout.buffer.write(page)
+        sys.stdout.buffer.flush()
+    else:
+        write(job.target, [page])
+    return Outcome(job)

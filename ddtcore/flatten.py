@@ -44,24 +44,50 @@ def flatten(image: np.ndarray, labels: Labels) -> np.ndarray:
     soft = np.array([gradient is not None for gradient in labels.gradients or ()], bool)
     if not soft.any():
         return image
-    mean = premultiply(labels.palette)
+    return remix(image, labels, labels.index, np.arange(len(soft)), premultiply(labels.palette), soft)
+
+
+def remix(image: np.ndarray, labels: Labels, index: np.ndarray, origin: np.ndarray, colours: np.ndarray,
+          changed: np.ndarray) -> np.ndarray:
+    """Paint regions in other colours, with every edge between them mixed as it was.
+
+    Parameters
+    ----------
+    image : ndarray of shape (H, W, 4) and dtype uint8
+    labels : Labels
+        What the pixels of the picture are mixes of.
+    index : ndarray of shape (H, W) and dtype int
+        Number of the region of each pixel; no region has pixels of several labels.
+    origin : ndarray of shape (R,) and dtype int
+        Label of each region.
+    colours : ndarray of shape (R, 4)
+        Premultiplied RGBA of each region, 0 to 255.
+    changed : ndarray of shape (R,) and dtype bool
+        Which regions are to be painted; the others are left as they are, but for their edges.
+
+    Returns
+    -------
+    ndarray of shape (H, W, 4) and dtype uint8
+    """
     out = image.copy()
-    inner = soft[labels.index]
-    out[inner] = _straight(mean)[labels.index[inner]]
-    cells, other = _pairs(labels.index, soft)
-    own = labels.index.ravel()[cells]
-    row, col = np.divmod(cells, labels.index.shape[1])
+    inner = changed[index]
+    out[inner] = straightened(colours)[index[inner]]
+    cells, other = _pairs(index, changed)
+    own = index.ravel()[cells]
+    row, col = np.divmod(cells, index.shape[1])
     points = np.stack([col + 0.5, row + 0.5], axis=1)
     colour = premultiply(image.reshape(-1, 4)[cells].astype(np.float64))
-    here, there = (local_colours(labels, number, points) for number in (own, other))
+    here, there = (local_colours(labels, origin[number], points) for number in (own, other))
     share, off = _mix(colour, here, there)
     rest = np.sqrt((off ** 2).sum(axis=1))
     off[rest < _FOREIGN] = 0
-    flat = mean[other] + share[:, None] * (mean[own] - mean[other]) + off
-    # Of several labels nearby, the one whose mix leaves the least.
+    here, there = (np.where(changed[number, None], colours[number], was)
+                   for number, was in ((own, here), (other, there)))
+    mixed = there + share[:, None] * (here - there) + off
+    # Of several regions nearby, the one whose mix leaves the least.
     order = np.lexsort((rest, cells))
     best = order[np.append(True, np.diff(cells[order]) > 0)[:len(order)]]
-    out.reshape(-1, 4)[cells[best]] = _straight(flat[best])
+    out.reshape(-1, 4)[cells[best]] = straightened(mixed[best])
     return out
 
 
@@ -89,7 +115,7 @@ def _mix(colour: np.ndarray, here: np.ndarray, there: np.ndarray) -> Tuple[np.nd
     return share, colour - there - share[:, None] * span
 
 
-def _straight(colours: np.ndarray) -> np.ndarray:
+def straightened(colours: np.ndarray) -> np.ndarray:
     """RGBA bytes of premultiplied colours (n, 4)."""
     alpha = np.clip(colours[:, 3:], 0, 255)
     rgb = np.where(alpha > 0, colours[:, :3] * 255 / np.maximum(alpha, 1e-9), 0)

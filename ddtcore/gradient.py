@@ -13,7 +13,7 @@ from typing import NamedTuple, Optional, Tuple
 import numpy as np
 
 from .field import (Field, Samples, first_field, refined, slopes, squares, total_error,
-                    weighted_quantile)
+                    unexplained, weighted_quantile)
 from .model import Gradient
 from .stops import BINS, choose_stops, profile
 
@@ -29,14 +29,16 @@ STOP_BYTES = 35
 ELLIPSE_BYTES = 40
 """What an ellipse needs beyond a circle."""
 
+_KINDS = (("linear", False), ("radial", False), ("radial", True))
+
 _EXACT = 0.25
 """Mean squared error per channel that no other gradient need try to lower, squared levels."""
 
 _STRAY = 0.005
 """Share of pixels far from the gradient from which on it is fitted again without them."""
 
-_CELLS = 2000
-"""Pixels are averaged in squares until there are about this many at most."""
+_CELLS, _COARSE = 2000, 700
+"""Pixels are averaged in squares until there are about this many at most; fewer do to find the field."""
 
 _SQUARE = 3.0
 """Smallest squares in which slopes of the colour are measured, px."""
@@ -45,7 +47,7 @@ _REACH = 0.75
 """How far a gradient reaches beyond the outermost pixel centres, px."""
 
 
-def fit_gradient(samples: Samples, reach: np.ndarray) -> Optional[Gradient]:
+def fit_gradient(samples: Samples, reach: np.ndarray, straight: bool = False) -> Optional[Gradient]:
     """Find the cheapest gradient for a region.
 
     Parameters
@@ -54,6 +56,8 @@ def fit_gradient(samples: Samples, reach: np.ndarray) -> Optional[Gradient]:
         Colours well inside the region.
     reach : ndarray of shape (m, 2)
         Points up to which the gradient must go on.
+    straight : bool
+        Whether only linear gradients are considered.
 
     Returns
     -------
@@ -65,16 +69,17 @@ def fit_gradient(samples: Samples, reach: np.ndarray) -> Optional[Gradient]:
     if size == 0:
         return None
     unit = _Unit(middle, size)
-    cells = _averaged(samples)
+    cells, coarse = (_averaged(samples, most) for most in (_CELLS, _COARSE))
     known = slopes(samples, max(_SQUARE, np.sqrt(len(samples.points)) / 8))
     known = known._replace(points=unit.local(known.points))
-    region = _Region(cells, cells._replace(points=unit.local(cells.points)), unit.local(reach), unit)
+    local, coarse = (some._replace(points=unit.local(some.points)) for some in (cells, coarse))
+    region = _Region(cells, local, coarse, unit.local(reach), unit)
     best, least = None, _error(cells, np.average(cells.colour, axis=0, weights=cells.count))
     exact = _EXACT * samples.count.sum() * cells.colour.shape[1]
-    for kind, elliptic in (("linear", False), ("radial", False), ("radial", True)):
+    for kind, elliptic in _KINDS[:1] if straight else _KINDS:
         if least <= exact + PRICE * BYTES:
             break
-        field = first_field(known, region.local, kind, elliptic)
+        field = first_field(known, coarse, kind, elliptic)
         gradient = None if field is None else _fitted(field, region, least)
         if gradient is not None:
             cost = _error(cells, colours_at(gradient, cells.points)) + price(gradient)
@@ -99,6 +104,7 @@ class _Unit(NamedTuple):
 class _Region(NamedTuple):
     cells: Samples       # in the coordinates of the picture
     local: Samples       # the same in those of `unit`
+    coarse: Samples      # fewer, likewise
     reach: np.ndarray    # (m, 2) up to where the gradient must go on, likewise
     unit: _Unit
 
@@ -106,7 +112,8 @@ class _Region(NamedTuple):
 def _fitted(field: Field, region: _Region, least: float) -> Optional[Gradient]:
     """The best gradient like a given field; None if even free colours along it cost more than `least`."""
     samples = region.local
-    field, off = refined(field, samples)
+    field, _ = refined(field, region.coarse)
+    off = unexplained(field, samples)
     if total_error(off, samples.count) + PRICE * BYTES >= least:
         return None
     square = (off ** 2).sum(axis=1)
@@ -128,9 +135,9 @@ def _error(samples: Samples, colour: np.ndarray) -> float:
     return total_error(samples.colour - colour[..., :samples.colour.shape[1]], samples.count)
 
 
-def _averaged(samples: Samples) -> Samples:
+def _averaged(samples: Samples, most: int) -> Samples:
     """Fewer samples, each the mean over a small square."""
-    side = np.ceil(np.sqrt(samples.count.sum() / _CELLS))
+    side = np.ceil(np.sqrt(samples.count.sum() / most))
     if side <= 1:
         return samples
     number, cells = squares(samples.points, side)
@@ -210,13 +217,13 @@ def colours_at(gradient: Gradient, points: np.ndarray) -> np.ndarray:
     """
     offsets = np.array([stop[0] for stop in gradient.stops])
     stops = np.array([(*stop[1], 255 * stop[2]) for stop in gradient.stops], float)
-    place = _offsets_at(gradient, points)
+    place = offsets_at(gradient, points)
     colour = np.stack([np.interp(place, offsets, channel) for channel in stops.T], axis=1)
     colour[:, :3] *= colour[:, 3:] / 255
     return colour
 
 
-def _offsets_at(gradient: Gradient, points: np.ndarray) -> np.ndarray:
+def offsets_at(gradient: Gradient, points: np.ndarray) -> np.ndarray:
     """How far along each point lies, 0 at the start and 1 at the end."""
     start = np.array(gradient.start)
     along = np.array(gradient.end) - start

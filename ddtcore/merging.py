@@ -15,6 +15,9 @@ from .canvas import premultiply
 from .components import label_components
 from .model import Labels
 
+MANY = 512
+"""Most colours that are grouped by all their distances."""
+
 
 def limit_colours(labels: Labels, most: int) -> Labels:
     """Merge the colours whose loss is least until `most` remain besides "nothing".
@@ -27,7 +30,7 @@ def limit_colours(labels: Labels, most: int) -> Labels:
     if painted.size <= most:
         return labels
     into = np.arange(len(labels.palette))
-    groups = ward_groups(premultiply(labels.palette[painted]), counts[painted], most)
+    groups = _groups(premultiply(labels.palette[painted]), counts[painted], most)
     frequent = painted[np.lexsort((-counts[painted], groups))]
     leader = frequent[np.searchsorted(np.sort(groups), np.arange(groups.max() + 1))]
     into[painted] = leader[groups]
@@ -35,6 +38,20 @@ def limit_colours(labels: Labels, most: int) -> Labels:
     if ramp is not None:
         ramp = ramp & (np.bincount(into, minlength=into.size) == 1)
     return drop_unused(replace(labels, index=into.astype(np.int32)[labels.index], ramp=ramp))
+
+
+def _groups(points: np.ndarray, weights: np.ndarray, most: int) -> np.ndarray:
+    """Group numbers by Ward's method of the most frequent points, the others with the nearest of these."""
+    if len(points) <= MANY:
+        return ward_groups(points, weights, most)
+    top = np.sort(np.argsort(-weights, kind="stable")[:MANY])
+    nearest = np.zeros(len(points), np.int64)
+    least = np.full(len(points), np.inf)
+    for k, centre in enumerate(points[top]):
+        square = ((points - centre) ** 2).sum(axis=1)
+        nearer = square < least
+        nearest[nearer], least[nearer] = k, square[nearer]
+    return ward_groups(points[top], np.bincount(nearest, weights, len(top)), most)[nearest]
 
 
 def ward_groups(points: np.ndarray, weights: np.ndarray, most: int) -> np.ndarray:
@@ -139,4 +156,6 @@ def drop_unused(labels: Labels) -> Labels:
         return labels
     number = (np.cumsum(used) - 1).astype(np.int32)
     ramp = None if labels.ramp is None else labels.ramp[used]
-    return replace(labels, index=number[labels.index], palette=labels.palette[used], ramp=ramp)
+    gradients = labels.gradients and tuple(labels.gradients[k] for k in np.flatnonzero(used).tolist())
+    return replace(labels, index=number[labels.index], palette=labels.palette[used], ramp=ramp,
+                   gradients=gradients)

@@ -150,12 +150,19 @@ class Polylines:
     slack : ndarray of shape (A,) and dtype float64
         How far the points of an arc may be off by their nature, px: 0 where they are
         measured, more where the picture has hard edges.
+    angular : ndarray of shape (A,) and dtype bool, optional
+        Arcs round so few pixels that every point is a corner.  None: there are none.
     """
 
     starts: np.ndarray
     points: np.ndarray
     weight: np.ndarray
     slack: np.ndarray
+    angular: Optional[np.ndarray] = None
+
+    def corners(self) -> np.ndarray:
+        """Which arcs consist of corners and lines, bool (A,)."""
+        return np.zeros(len(self.slack), bool) if self.angular is None else self.angular
 
 
 @dataclass(frozen=True)
@@ -287,6 +294,8 @@ class Drawing:
     scale : int
         Units per pixel in a document of its own, where path data are whole numbers; 0 for
         as many as `decimals` gives.
+    choice : str
+        The preset that was chosen for the picture, and why; "" if none was to be chosen.
     """
 
     width: int
@@ -297,6 +306,7 @@ class Drawing:
     notes: Tuple[str, ...] = ()
     decimals: int = 2
     scale: int = 0
+    choice: str = ""
 
     def to_svg(self) -> str:
         """The drawing as an SVG document."""

@@ -44,7 +44,7 @@ class Problem(NamedTuple):
     segment: np.ndarray
     step: np.ndarray
     slope: np.ndarray
-    index: np.ndarray
+    index: np.ndarray  # type: ignore[assignment]  # hides a method of tuples
     residual: np.ndarray
     damping: np.ndarray
 

@@ -46,7 +46,10 @@ def noise_level(canvas: Canvas, core: np.ndarray, slopes: np.ndarray) -> Tuple[f
     slopes : ndarray of shape (H, W) and dtype int32
         Number of the soft ramp of each pixel, -1 where there is none.
     """
-    cells = canvas.cells(~core)
+    mixed = np.zeros(core.shape, bool)
+    # What goes on along the border is a strip of another colour, not a ripple.
+    mixed[1:-1, 1:-1] = ~core[1:-1, 1:-1]
+    cells = canvas.cells(mixed)
     if not cells.size:
         return ROUNDING, False
     share = cells.size / core.size

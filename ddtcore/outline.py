@@ -20,7 +20,7 @@ The frame round the picture carries a label of its own, so no end stays open.
 
 from __future__ import annotations
 
-from typing import Tuple
+from typing import NamedTuple, Tuple
 
 import numpy as np
 
@@ -43,26 +43,25 @@ def link_outlines(mesh: Mesh, labels: Labels) -> PlanarMap:
         Each boundary once, with the smaller label on its left.
     """
     framed = frame_labels(labels.index)
-    vertex = framed.ravel()
-    origin = mesh.triangles.ravel()
-    end = np.roll(mesh.triangles, -1, axis=1).ravel()
+    corner = framed.ravel()[mesh.triangles]
+    ahead = np.roll(corner, -1, axis=1)
+    mixed = ahead != corner
     # The label pair stays the same along a walk, so one direction of each is enough.
-    crossings = np.flatnonzero(vertex[end] < vertex[origin])
-    following, first_junction, last_junction = _follow(mesh, vertex, origin, end, crossings)
+    crossings = np.flatnonzero(ahead < corner)
+    following, first_junction, last_junction = _follow(mesh, mixed, crossings)
     order, starts, ring = _chains(following)
     crossings = crossings[order].astype(np.int32)
-    faces, face_labels = _faces(mesh, framed)
+    faces = _faces(mesh, framed)
     heads, tails = last_junction[order[starts[1:] - 1]], first_junction[order[starts[:-1]]]
     junctions, numbers = np.unique(np.concatenate([tails[~ring], heads[~ring]]), return_inverse=True)
     tail = np.full(len(ring), -1, np.int32)
     head = tail.copy()
     tail[~ring], head[~ring] = np.split(numbers.ravel(), 2)
-    begin = crossings[starts[:-1]]
+    triangle, side = np.divmod(crossings[starts[:-1]], 3)
     return PlanarMap(
         starts=starts, crossings=crossings, tail=tail, head=head,
-        left=faces.ravel()[end[begin]], right=faces.ravel()[origin[begin]],
-        junctions=junctions.astype(np.int32), face_labels=face_labels,
-        pixel_faces=np.ascontiguousarray(faces[1:-1, 1:-1]))
+        left=faces.of(mesh.triangles[triangle, (side + 1) % 3]), right=faces.of(mesh.triangles[triangle, side]),
+        junctions=junctions.astype(np.int32), face_labels=faces.labels, pixel_faces=faces.pixels())
 
 
 def frame_labels(index: np.ndarray) -> np.ndarray:
@@ -70,17 +69,24 @@ def frame_labels(index: np.ndarray) -> np.ndarray:
     return np.pad(index.astype(np.int32, copy=False), 1, constant_values=OUTSIDE)
 
 
-def _follow(mesh: Mesh, vertex: np.ndarray, origin: np.ndarray, end: np.ndarray,
-            crossings: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Index of the next crossing (-1 at a junction); junction triangles before and after."""
-    mixed = (vertex[origin] != vertex[end]).reshape(-1, 3)
-    junction = mixed.all(axis=1)
+def _follow(mesh: Mesh, mixed: np.ndarray, crossings: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Index of the next crossing (-1 at a junction); junction triangles before and after.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    mixed : ndarray of shape (T, 3) and dtype bool
+        Whether the ends of a half-edge differ in label.
+    crossings : ndarray of shape (N,)
+        Half-edges.
+    """
+    junction = np.asarray(mixed.all(axis=1))
     triangle, side = np.divmod(crossings, 3)
     # In a triangle with two labels one side is not mixed; the walk leaves by the third.
     leave = 3 * triangle + 3 - side - np.argmin(mixed[triangle], axis=1)
     leave[junction[triangle]] = 0
-    number = np.full(len(origin), -1, np.int64)
-    number[crossings] = np.arange(len(crossings))
+    number = np.full(mixed.size, -1, np.int32)
+    number[crossings] = np.arange(len(crossings), dtype=np.int32)
     following = np.where(junction[triangle], -1, number[mesh.twins[leave]])
     before = mesh.twins[crossings] // 3
     return (following, np.where(junction[before], before, -1), np.where(junction[triangle], triangle, -1))
@@ -91,7 +97,7 @@ def _chains(following: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
 
     Parameters
     ----------
-    following : ndarray of shape (N,) and dtype int64
+    following : ndarray of shape (N,) and dtype int32
         The next item, -1 at the end of a chain; no two items share one.
 
     Returns
@@ -102,15 +108,15 @@ def _chains(following: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
     ring : ndarray of shape (A,) and dtype bool
     """
     n = len(following)
-    items = np.arange(n)
-    preceding = np.full(n, -1, np.int64)
+    items = np.arange(n, dtype=np.int32)
+    preceding = np.full(n, -1, np.int32)
     open_ = following >= 0
     preceding[following[open_]] = items[open_]
     ring_start = _ring_starts(preceding)
     preceding[ring_start] = -1
     first = preceding < 0
     jump = np.where(first, items, preceding)
-    rank = (~first).astype(np.int64)
+    rank = (~first).astype(np.int32)
     while True:
         further = jump[jump]
         if np.array_equal(further, jump):
@@ -131,7 +137,7 @@ def _chains(following: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def _ring_starts(preceding: np.ndarray) -> np.ndarray:
     """The smallest item of every ring."""
-    items = np.arange(len(preceding))
+    items = np.arange(len(preceding), dtype=np.int32)
     jump = np.where(preceding < 0, items, preceding)
     least = np.minimum(items, jump)
     for _ in range(len(items).bit_length()):
@@ -141,46 +147,79 @@ def _ring_starts(preceding: np.ndarray) -> np.ndarray:
     return np.flatnonzero((least == items) & (preceding[jump] >= 0))
 
 
-def _faces(mesh: Mesh, framed: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Number the regions that mesh edges connect: faces (H + 2, W + 2) and their labels."""
-    rows, cols = mesh.shape
-    right, below, extra = _mesh_links(mesh, framed)
-    breaks = np.ones((rows, cols), bool)
-    breaks[:, 1:] = ~right
-    run = np.cumsum(breaks.ravel(), dtype=np.int32).reshape(rows, cols) - 1
-    # A vertical link repeats the one to its left where both runs simply go on.
-    fresh = below.copy()
-    fresh[:, 1:] &= breaks[:-1, 1:] | breaks[1:, 1:] | ~below[:, :-1]
-    flat = run.ravel()
-    a = np.concatenate([run[:-1][fresh], flat[extra[0]]])
-    b = np.concatenate([run[1:][fresh], flat[extra[1]]])
-    part = components(int(flat[-1]) + 1, a, b)
-    face_labels = np.empty(int(part.max()) + 1, np.int32)
-    heads = np.flatnonzero(breaks.ravel())
-    face_labels[part] = framed.ravel()[heads]
-    return part.astype(np.int32)[run], face_labels
+class _Faces(NamedTuple):
+    """Runs of linked vertices in the rows of the framed grid, and the faces they are parts of."""
+
+    labels: np.ndarray   # (F,) label of each face
+    heads: np.ndarray    # (R,) vertex at which each run begins
+    sizes: np.ndarray    # (R,) how many of its vertices are pixels
+    numbers: np.ndarray  # (R,) its face
+    shape: Tuple[int, int]
+
+    def of(self, vertices: np.ndarray) -> np.ndarray:
+        """Faces of vertices, int32."""
+        return self.numbers[np.searchsorted(self.heads, vertices, side="right") - 1]
+
+    def pixels(self) -> np.ndarray:
+        """Faces of all pixels, int32 (H, W)."""
+        return np.repeat(self.numbers, self.sizes).reshape(self.shape)
 
 
-def _mesh_links(mesh: Mesh, framed: np.ndarray) -> Tuple[np.ndarray, np.ndarray, Tuple[np.ndarray, np.ndarray]]:
-    """Which neighbours of equal label mesh edges join: right, below, and all others as pairs."""
-    rows, cols = mesh.shape
-    right = framed[:, 1:] == framed[:, :-1]
-    below = framed[1:] == framed[:-1]
-    # An edge between two meshed quads can have been flipped away.
-    inner_right = np.zeros_like(right)
-    inner_right[1:-1] = mesh.quads[:-1] & mesh.quads[1:]
-    inner_below = np.zeros_like(below)
-    inner_below[:, 1:-1] = mesh.quads[:, :-1] & mesh.quads[:, 1:]
-    origin = mesh.triangles.ravel()
-    end = np.roll(mesh.triangles, -1, axis=1).ravel()
-    step = np.abs(end - origin)
-    low = np.minimum(origin, end)
-    present = np.zeros(rows * cols, bool)
-    present[low[step == 1]] = True
-    right &= ~inner_right | present.reshape(rows, cols)[:, :-1]
-    present[:] = False
-    present[low[step == cols]] = True
-    below &= ~inner_below | present.reshape(rows, cols)[:-1]
+def _faces(mesh: Mesh, framed: np.ndarray) -> _Faces:
+    """Number the regions that mesh edges connect.
+
+    Whether a run is linked to one of the next row need only be asked where one of them begins,
+    and beside links that are missing.
+    """
+    cols = framed.shape[1]
     vertex = framed.ravel()
-    other = (step != 1) & (step != cols) & (end > origin) & (vertex[origin] == vertex[end])
-    return right, below, (origin[other], end[other])
+    no_right, no_below = _missing_links(mesh)
+    cut = np.ones(framed.shape, bool)
+    np.not_equal(framed[:, 1:], framed[:, :-1], out=cut[:, 1:])
+    cut.ravel()[no_right + 1] = True
+    heads = np.flatnonzero(cut)
+    asked = cut[:-1] | cut[1:]
+    asked.ravel()[no_below + 1] = True
+    upper = np.flatnonzero(asked)
+    missing = np.zeros(len(vertex), bool)
+    missing[no_below] = True
+    upper = upper[(vertex[upper] == vertex[upper + cols]) & ~missing[upper]]
+    oblique = _oblique_links(mesh, vertex)
+    a, b = (np.searchsorted(heads, np.concatenate(side), side="right") - 1
+            for side in ((upper, oblique[0]), (upper + cols, oblique[1])))
+    numbers = components(len(heads), a, b)
+    labels = np.empty(int(numbers.max()) + 1, np.int32)
+    labels[numbers] = vertex[heads]
+    sizes = np.where(vertex[heads] == OUTSIDE, 0, np.diff(np.append(heads, len(vertex))))
+    return _Faces(labels, heads, sizes, numbers, (framed.shape[0] - 2, cols - 2))
+
+
+def _missing_links(mesh: Mesh) -> Tuple[np.ndarray, np.ndarray]:
+    """Vertices whose edge to the right one, or to the one below, has been flipped away."""
+    rows, cols = mesh.shape
+    origin, end = _edges(mesh)
+    step, low = np.abs(end - origin), np.minimum(origin, end)
+    missing = []
+    for length, inner, first in ((1, mesh.quads[:-1] & mesh.quads[1:], cols),
+                                 (cols, mesh.quads[:, :-1] & mesh.quads[:, 1:], 1)):
+        present = np.zeros(rows * cols, bool)
+        present[low[step == length]] = True
+        row, col = np.divmod(np.flatnonzero(inner), inner.shape[1])
+        at = row * cols + col + first
+        missing.append(at[~present[at]])
+    return missing[0], missing[1]
+
+
+def _oblique_links(mesh: Mesh, vertex: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Ends of the mesh edges that are neither level nor upright, where their labels are equal."""
+    origin, end = _edges(mesh)
+    step = end - origin
+    oblique = np.flatnonzero((step > 1) & (step != mesh.shape[1]))
+    origin, end = origin[oblique], end[oblique]
+    same = vertex[origin] == vertex[end]
+    return origin[same], end[same]
+
+
+def _edges(mesh: Mesh) -> Tuple[np.ndarray, np.ndarray]:
+    """Vertices that half-edges run from and to."""
+    return mesh.triangles.ravel(), np.roll(mesh.triangles, -1, axis=1).ravel()

@@ -13,9 +13,16 @@ from .field import Samples
 from .gradient import colours_at, fit_gradient
 from .model import Gradient, Labels, PlanarMap
 from .options import TraceOptions
+from .sides import window
 
 _FEW = 16
-"""Regions with fewer pixels off their border are judged by all their pixels."""
+"""Regions with fewer pixels off their border are judged by those that stand out most."""
+
+_LEAST = 4
+"""Regions with fewer pixels that stand out are judged by all their pixels."""
+
+_STRONG = 0.8
+"""Pixels of a narrow region stand out that differ from what is round it by this share of the most."""
 
 
 class Paint(NamedTuple):
@@ -39,7 +46,7 @@ NOTHING = Paint((0, 0, 0), 0.0)
 
 
 def find_gradients(image: np.ndarray, labels: Labels) -> Labels:
-    """Find the gradient of each ramp.
+    """Find the gradient of each ramp that has none yet.
 
     Parameters
     ----------
@@ -51,17 +58,24 @@ def find_gradients(image: np.ndarray, labels: Labels) -> Labels:
     Labels
         With `gradients`; None of them for labels that are no ramps or better flat.
     """
-    gradients: List[Optional[Gradient]] = [None] * len(labels.palette)
-    if labels.ramp is None or not labels.ramp.any():
+    ramp = np.zeros(len(labels.palette), bool) if labels.ramp is None else labels.ramp
+    gradients = [gradient if soft else None for gradient, soft in
+                 zip(labels.gradients or [None] * len(ramp), ramp.tolist())]
+    unknown = ramp & np.array([gradient is None for gradient in gradients], bool)
+    if not unknown.any():
         return replace(labels, gradients=tuple(gradients))
-    pixels = _Pixels.of(labels.index, labels.ramp)
+    pixels = _Pixels.of(labels.index, unknown)
     colour = pixels.colours(image)
     opaque = bool((colour[:, 3] == 255).all())
+    strong = _strongest(image, labels.index, pixels)
     for label, part in pixels.groups():
         chosen = part[pixels.inside[part]]
-        chosen = chosen if len(chosen) >= _FEW else part
+        narrow = len(chosen) < _FEW
+        if narrow:
+            chosen = part[strong[part]]
+            chosen = chosen if len(chosen) >= _LEAST else part
         samples = Samples(pixels.points[chosen], colour[chosen, :3 if opaque else 4], np.ones(len(chosen)))
-        gradients[label] = fit_gradient(samples, pixels.points[part])
+        gradients[label] = fit_gradient(samples, pixels.points[part], straight=narrow)
     return replace(labels, gradients=tuple(gradients))
 
 
@@ -132,7 +146,7 @@ class _Pixels(NamedTuple):
         cells = np.flatnonzero(some[regions])
         row, col = np.divmod(cells, regions.shape[1])
         points = np.stack([col + 0.5, row + 0.5], axis=1)
-        return cls(cells, points, regions.ravel()[cells], _surrounded(regions).ravel()[cells])
+        return cls(cells, points, regions.ravel()[cells], surrounded(regions).ravel()[cells])
 
     def groups(self) -> Iterator[Tuple[int, np.ndarray]]:
         """Each region, and the places of its pixels."""
@@ -145,7 +159,7 @@ class _Pixels(NamedTuple):
         return premultiply(image.reshape(-1, 4)[self.cells].astype(np.float64))
 
 
-def _surrounded(values: np.ndarray) -> np.ndarray:
+def surrounded(values: np.ndarray) -> np.ndarray:
     """Which pixels have eight equal neighbours, but for those beyond the border of the picture."""
     same = np.ones(values.shape, bool)
     equal = values[1:] == values[:-1]
@@ -156,6 +170,50 @@ def _surrounded(values: np.ndarray) -> np.ndarray:
     same[:, 1:] &= equal & column[:, :-1]
     same[:, :-1] &= equal & column[:, 1:]
     return same
+
+
+def _strongest(image: np.ndarray, regions: np.ndarray, pixels: _Pixels) -> np.ndarray:
+    """Which pixels (n,) of narrow regions differ most from what is round them: no others are fully covered."""
+    narrow = np.flatnonzero(np.bincount(pixels.region, pixels.inside)[pixels.region] < _FEW)
+    strong = np.zeros(len(pixels.cells), bool)
+    if not narrow.size:
+        return strong
+    height = _height(image, regions, pixels.cells[narrow])
+    strong[narrow] = height >= _STRONG * _most_near(height, regions, pixels.cells[narrow])
+    return strong
+
+
+def _height(image: np.ndarray, regions: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """How far the colours of pixels are from the mean of those of other regions within 7 x 7."""
+    framed = np.pad(regions, 3, mode="edge").ravel()
+    colours = np.pad(image, ((3, 3), (3, 3), (0, 0)), mode="edge").reshape(-1, 4)
+    cells, stride = _framed(cells, regions.shape, 3)
+    total, count = np.zeros((cells.size, 4)), np.zeros((cells.size, 1))
+    for step in window(stride, 1, 3):
+        other = (framed[cells + step] != framed[cells])[:, None]
+        total += other * premultiply(colours[cells + step].astype(np.float64))
+        count += other
+    off = premultiply(colours[cells].astype(np.float64)) - total / np.maximum(count, 1)
+    return np.sqrt((off ** 2).sum(axis=1))
+
+
+def _most_near(height: np.ndarray, regions: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """The largest of the values (n,) of some pixels of the same region within 5 x 5 of each."""
+    framed = np.pad(regions, 2, mode="edge").ravel()
+    cells, stride = _framed(cells, regions.shape, 2)
+    values = np.zeros(framed.size)
+    values[cells] = height
+    most = height.copy()
+    for step in window(stride, 1, 2):
+        np.maximum(most, np.where(framed[cells + step] == framed[cells], values[cells + step], 0), out=most)
+    return most
+
+
+def _framed(cells: np.ndarray, shape: Tuple[int, int], rim: int) -> Tuple[np.ndarray, int]:
+    """Numbers of pixels in a picture with a rim, and the step from one of its rows to the next."""
+    row, col = np.divmod(cells, shape[1])
+    stride = shape[1] + 2 * rim
+    return (row + rim) * stride + col + rim, stride
 
 
 def _soft_paints(image: np.ndarray, labels: Labels, planar: PlanarMap,

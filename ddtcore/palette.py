@@ -38,6 +38,7 @@ HARD = 0.95
 """Share of palette colours among the pixels that are no plateaus from which edges count as hard."""
 
 _WEIGHED = 48
+_SAMPLE = 1 << 12
 _FEW = 1 << 14
 _CLEAR = 16
 
@@ -113,6 +114,21 @@ def _sound_blocks(canvas: Canvas, block: np.ndarray, weak: np.ndarray) -> np.nda
         sound &= ~((side == key[at + 2 * across]) & (side == key[at - across + along])
                    & (side == key[at + 2 * across + along]))
     return key[at[sound]]
+
+
+def plain_colours(canvas: Canvas) -> np.ndarray:
+    """The packed colours, the most frequent first, of a picture that has few and no mixes of them; else none.
+
+    There is no anti-aliasing in such a picture: each pixel is what it says, however small its area.
+    """
+    none = np.zeros(0, np.uint32)
+    if np.unique(canvas.keys[::max(1, canvas.keys.size // _SAMPLE)]).size > _WEIGHED:
+        return none
+    keys, counts = count_keys(canvas.keys)
+    colours = planes(keys[:_WEIGHED], canvas.opaque)
+    if keys.size > _WEIGHED or is_mixed(colours, colours).any() or _has_twin(colours).any():
+        return none
+    return keys[np.argsort(-counts, kind="stable")]
 
 
 def choose_colours(canvas: Canvas, plateaus: Plateaus, ramps: bool) -> np.ndarray:

@@ -1,24 +1,53 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The paper from top to bottom: bitmap in, area-sorted Bézier shapes out."""
+"""The paper from top to bottom: bitmap in, area-sorted Bézier shapes out.
+
+Stages are called for what they find; somebody who waits may be told of them, and may end
+the trace between them.
+"""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Optional
+from typing import Callable, Optional, Tuple
 
 import numpy as np
 
-from . import border, fit, flatten, outline, paint, position, regions, stacking, triangulation
-from .model import Drawing
+from . import (
+    border,
+    choice,
+    fit,
+    flatten,
+    grouping,
+    ink,
+    lattice,
+    outline,
+    paint,
+    position,
+    recolour,
+    regions,
+    sprites,
+    stacking,
+    triangulation,
+)
+from .budget import label_within_budget
+from .model import Drawing, Labels
 from .options import TraceOptions
 from .raster import check_image
+from .reduction import enlarge
 
+Progress = Callable[[str, float], object]
+"""Told the name of each stage when it begins, and the share of the work that is done by then."""
+
+STAGES = {"colours": 0.0, "gradients": 0.15, "triangles": 0.2, "outlines": 0.3, "positions": 0.35,
+          "curves": 0.4, "shapes": 0.9}
+"""The stages in their order, each with the share of the time that is over when it begins."""
 
 UNFINISHED = ("the triangulation was not finished: it reached the setting 'work';"
               " raise that, or trace a smaller picture")
 
 
-def trace(image: np.ndarray, options: Optional[TraceOptions] = None) -> Drawing:
+def trace(image: np.ndarray, options: Optional[TraceOptions] = None,
+          progress: Optional[Progress] = None) -> Drawing:
     """Trace a picture.
 
     Parameters
@@ -26,21 +55,82 @@ def trace(image: np.ndarray, options: Optional[TraceOptions] = None) -> Drawing:
     image : ndarray of shape (H, W, 4) and dtype uint8
         RGBA, not premultiplied.
     options : TraceOptions, optional
+        Without them, the preset is chosen by the look of the picture, see `choose_preset`.
+    progress : callable, optional
+        Called with the name of each of the `STAGES` that is run, when it begins, and with the
+        share of the work that is done by then, 0 to 1.  What it raises ends the trace.
 
     Returns
     -------
     Drawing
+        If a budget was reached, its notes say so.
     """
-    options = options or TraceOptions()
     image = check_image(image)
-    labels = paint.find_gradients(image, regions.label_pixels(image, options))
+    options, chosen = choice.settle(image, options)
+    tell = progress or (lambda stage, share: None)
+
+    def begin(stage: str) -> None:
+        tell(stage, STAGES[stage])
+
+    begin("colours")
+    original, size = _original(image, options)
+    small, labels, factor, note = label_within_budget(
+        original, options, lambda picture, factor: regions.label_pixels(
+            picture, replace(options, speckle=options.speckle / factor ** 2)))
+    drawing = _draw(small, labels, options, begin)
+    if factor * size > 1:
+        drawing = enlarge(drawing, factor * size, image.shape[1], image.shape[0])
+        drawing = replace(drawing, scale=-(-drawing.scale // size))
+    if note:
+        drawing = replace(drawing, notes=(note, *drawing.notes))
+    return replace(drawing, choice=chosen)
+
+
+def _original(image: np.ndarray, options: TraceOptions) -> Tuple[np.ndarray, int]:
+    """What is to be traced in place of a picture, and how many pixels a pixel of it is wide."""
+    if options.regions == "black-white":
+        return ink.stretch(image, options.level), 1
+    size = sprites.block_size(image) if options.regions == "pixels" else 1
+    return sprites.reduced(image, size), size
+
+
+def _draw(image: np.ndarray, labels: Labels, options: TraceOptions, begin: Callable[[str], None]) -> Drawing:
+    """All that comes after the labels; what no later stage needs is let go."""
+    begin("gradients")
+    labels = paint.find_gradients(image, labels)
+    opaque = bool((image[..., 3] == 255).all())
+    if options.regions == "black-white":
+        image, labels = ink.separate(image, labels)
+    image, labels = recolour.recolour(image, labels, options)
+    painted = labels
+    if options.background == "drop":
+        labels, painted = recolour.part_background(labels)
     even = flatten.flatten(image, labels)
-    mesh = triangulation.triangulate(even, labels, options)
+    begin("triangles")
+    crisp = options.curves == "crisp" and options.result in ("outlines", "curves")
+    triangulate = lattice.square_mesh if crisp else triangulation.triangulate
+    mesh = triangulate(even, labels, options)
+    notes = () if mesh.finished else (UNFINISHED,)
     if options.result in ("triangles", "border"):
         drawing = border.draw_mesh(image, labels, mesh, options)
     else:
+        begin("outlines")
         planar = outline.link_outlines(mesh, labels)
-        lines = position.place(even, labels, mesh, planar, options)
-        curves = fit.fit_arcs(even, labels, planar, lines, options)
-        drawing = stacking.stack(image, labels, planar, lines, curves, options)
-    return drawing if mesh.finished else replace(drawing, notes=(*drawing.notes, UNFINISHED))
+        begin("positions")
+        if crisp:
+            times = lattice.parts(planar.pixel_faces.shape)
+            planar, lines, curves = lattice.magnified(planar, *lattice.along_pixels(mesh, planar), times)
+        else:
+            lines = position.place(even, labels, mesh, planar, options)
+            del mesh
+            begin("curves")
+            curves = fit.fit_arcs(even, labels, planar, lines, options)
+        del even
+        begin("shapes")
+        drawing = stacking.stack(image, painted, planar, lines, curves, options)
+        if crisp:
+            drawing = enlarge(drawing, 1 / times, image.shape[1], image.shape[0])
+        if options.regions == "black-white" and opaque:
+            drawing = ink.on_paper(drawing, options)
+        drawing = grouping.group(drawing, options)
+    return replace(drawing, notes=(*drawing.notes, *notes))

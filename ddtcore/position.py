@@ -228,7 +228,7 @@ def _column_sums(image: np.ndarray, raw: np.ndarray, tangent: np.ndarray, left: 
     step = np.where(upright, -np.sign(tangent[:, 1]), np.sign(tangent[:, 0])).astype(np.int64)
     stride = np.where(upright, step, step * w)
     across = np.where(upright, cell[:, 0], cell[:, 1])
-    room = np.where(upright, w, h) - 1
+    room = np.where(upright, w - 1, h - 1)
     reach = np.arange(-REACH, REACH + 1)
     inside = np.clip(across[:, None] + reach * step[:, None], 0, room[:, None]) - across[:, None]
     flat = (cell[:, 1] * w + cell[:, 0])[:, None] + inside * np.abs(stride)[:, None]
@@ -268,12 +268,12 @@ def _assemble(mesh: Mesh, planar: PlanarMap, arc: np.ndarray, points: np.ndarray
     for rank, junction in ((0, planar.tail), (2, planar.head)):
         open_ = np.flatnonzero(junction >= 0)
         pieces.append((open_, np.full(len(open_), rank), ends[junction[open_]], np.full(len(open_), 0.5)))
-    for number in np.flatnonzero(planar.left == 0):
+    for number in np.flatnonzero(planar.left == 0).tolist():
         corners = _frame_corners(mesh, planar, number, ends)
         pieces.append((np.full(len(corners), number), np.ones(len(corners), np.int64), corners,
                        np.ones(len(corners))))
-    arc, rank, points, weight = (np.concatenate(part) for part in zip(*pieces))
-    order = np.lexsort((rank, arc))
+    arc, place, points, weight = (np.concatenate(part) for part in zip(*pieces))
+    order = np.lexsort((place, arc))
     starts = np.searchsorted(arc[order], np.arange(len(planar.tail) + 1))
     return Polylines(starts, points[order], weight[order], slack, angular)
 

@@ -16,7 +16,6 @@ import numpy as np
 from .bezier import from_line
 from .model import LINE, QUADRATIC, Curves, PlanarMap, Polylines
 
-
 _Piece = Tuple[np.ndarray, np.ndarray]
 
 

@@ -23,7 +23,7 @@ STEP = 16.0
 BEND = 2.0
 """Largest change of the step from pixel to pixel: what the rounding of an even ramp can make of 0, levels."""
 
-LEVELS = 6
+LEVELS = 4
 """Fewest different colours on the slopes of a ramp."""
 
 AREA = 24
@@ -62,21 +62,79 @@ def find_ramps(canvas: Canvas) -> Tuple[np.ndarray, int]:
     block &= down[:, 1:]
     block &= down[:, :-1]
     sloped = block & ~(flat_right[1:] & flat_right[:-1] & flat_down[:, 1:])
-    if np.count_nonzero(sloped) < AREA:
-        return np.full(canvas.shape, -1, np.int32), 0
-    right[...], down[...] = False, False
-    right[1:] |= block
-    right[:-1] |= block
-    down[:, 1:] |= block
-    down[:, :-1] |= block
-    covered = np.zeros(canvas.shape, bool)
-    covered[:, 1:] |= right
-    covered[:, :-1] |= right
+    ramps = np.full(canvas.shape, -1, np.int32)
+    count = 0
+    if np.count_nonzero(sloped) >= AREA:
+        right[...], down[...] = False, False
+        right[1:] |= block
+        right[:-1] |= block
+        down[:, 1:] |= block
+        down[:, :-1] |= block
+        count = _number(ramps, 0, right, down, np.pad(sloped, ((0, 1), (0, 1)), mode="constant"), key)
+    return ramps, _add_narrow(canvas, ramps, count, ~(flat_right[1:] & flat_right[:-1] & flat_down[:, 1:]))
+
+
+def _number(ramps: np.ndarray, count: int, right: np.ndarray, down: np.ndarray, sloped: np.ndarray,
+            key: np.ndarray) -> int:
+    """Number the areas of linked pixels that are ramps, in place; returns how many ramps there are then."""
     area = link_components(right, down)
     chosen = _many_levels(area, sloped, key)
     number = np.full(int(area.max()) + 1, -1, np.int32)
-    number[chosen] = np.arange(chosen.size)
-    return np.where(covered, number[area], np.int32(-1)), chosen.size
+    number[chosen] = np.arange(count, count + chosen.size)
+    number = number[area]
+    ramps[number >= 0] = number[number >= 0]
+    return count + chosen.size
+
+
+def _add_narrow(canvas: Canvas, ramps: np.ndarray, count: int, uneven: np.ndarray) -> int:
+    """Number further ramps, apart from the others, that are even within 3 x 3 only, in place."""
+    busy = np.zeros(canvas.shape, bool)
+    busy[1:-1, 1:-1] = uneven[1:, 1:] & uneven[:-1, :-1] & uneven[1:, :-1] & uneven[:-1, 1:]
+    cells = canvas.cells(busy & (ramps < 0))
+    even = np.empty(cells.size, bool)
+    for start in range(0, cells.size, _CHUNK):
+        part = slice(start, start + _CHUNK)
+        even[part] = _is_plane(canvas, cells[part])
+    if 9 * np.count_nonzero(even) < AREA:
+        return count
+    sloped = np.zeros(canvas.shape, bool)
+    sloped[canvas.places(cells[even])] = True
+    right, down = sloped[:, 1:] | sloped[:, :-1], sloped[1:] | sloped[:-1]
+    for links in (right, down.T):
+        middle = links.copy()
+        links[1:] |= middle[:-1]
+        links[:-1] |= middle[1:]
+    key = canvas.bare(canvas.keys)
+    more = np.full(canvas.shape, -1, np.int32)
+    total = _number(more, 0, right, down, sloped, key)
+    apart = np.ones(total, bool)
+    near = more[_widened(ramps >= 0)]
+    apart[near[near >= 0]] = False
+    number = np.append(np.where(apart, count + np.cumsum(apart) - 1, -1), -1)[more]
+    ramps[number >= 0] = number[number >= 0]
+    return count + np.count_nonzero(apart)
+
+
+def _is_plane(canvas: Canvas, cells: np.ndarray) -> np.ndarray:
+    """Round which pixels the colour changes by small and even steps within 3 x 3."""
+    here = canvas.colours(cells)
+    plane = np.ones(cells.size, bool)
+    for step in (1, canvas.stride, canvas.stride + 1, canvas.stride - 1):
+        before, after = canvas.colours(cells - step), canvas.colours(cells + step)
+        plane &= np.abs(before + after - 2 * here).max(axis=0) <= BEND
+        plane &= np.abs(after - here).max(axis=0) <= STEP
+    return plane
+
+
+def _widened(mask: np.ndarray) -> np.ndarray:
+    """The pixels of a mask and their eight neighbours."""
+    rows = mask.copy()
+    rows[1:] |= mask[:-1]
+    rows[:-1] |= mask[1:]
+    out = rows.copy()
+    out[:, 1:] |= rows[:, :-1]
+    out[:, :-1] |= rows[:, 1:]
+    return out
 
 
 def _even_steps(canvas: Canvas, equal: np.ndarray, step: int) -> np.ndarray:
@@ -102,9 +160,9 @@ def is_even(before: np.ndarray, here: np.ndarray, there: np.ndarray, after: np.n
 def _many_levels(area: np.ndarray, sloped: np.ndarray, key: np.ndarray) -> np.ndarray:
     """Numbers of the areas that have the size, the slopes and the levels of a ramp."""
     size = np.bincount(area.ravel())
-    here = area[:-1, :-1][sloped]
+    here = area[sloped]
     slopes = np.bincount(here, minlength=size.size)
-    pairs = np.unique(here.astype(np.uint64) << np.uint64(32) | key[:-1, :-1][sloped])
+    pairs = np.unique(here.astype(np.uint64) << np.uint64(32) | key[sloped])
     levels = np.bincount((pairs >> np.uint64(32)).astype(np.intp), minlength=size.size)
     chosen = np.flatnonzero((size >= AREA) & (levels >= LEVELS) & (slopes >= SLOPING * size))
     return np.sort(chosen[np.argsort(-size[chosen], kind="stable")[:MANY]])

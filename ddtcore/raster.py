@@ -30,6 +30,9 @@ _VECTOR_FORMATS = ("EPS", "WMF", "EMF")
 
 _ORIENTATION = 0x0112
 
+_STRIP = 256
+"""Rows of a picture converted at a time."""
+
 _pillow = threading.Lock()
 logging.getLogger("PIL").addHandler(logging.NullHandler())
 
@@ -113,6 +116,12 @@ def check_image(image: np.ndarray) -> np.ndarray:
     return rgba
 
 
+def packed(image: np.ndarray) -> np.ndarray:
+    """Each pixel of a uint8 picture (H, W, 4) in one number, uint32 (H, W); 0 for all that are transparent."""
+    keys = np.ascontiguousarray(image).view(np.uint32)[..., 0]
+    return np.where(image[..., 3] > 0, keys, np.uint32(0))
+
+
 def _decode(file: BinaryIO, name: str, max_pixels: int) -> np.ndarray:
     from PIL import Image, UnidentifiedImageError
 
@@ -170,9 +179,12 @@ def _upright(image: Image.Image) -> Image.Image:
 def _to_rgba(image: Image.Image) -> np.ndarray:
     if image.mode.startswith("I") or image.mode == "F":
         return _deep_grey(np.asarray(image), image.info.get("transparency"))
-    if image.mode != "RGBA":
-        image = image.convert("RGBA")
-    return np.asarray(image)
+    rgba = np.empty((image.height, image.width, 4), np.uint8)
+    # In strips, for conversions need several times the memory of what they convert.
+    for top in range(0, image.height, _STRIP):
+        strip = image.crop((0, top, image.width, min(top + _STRIP, image.height)))
+        rgba[top:top + _STRIP] = np.asarray(strip.convert("RGBA"))
+    return rgba
 
 
 def _deep_grey(values: np.ndarray, transparent: object) -> np.ndarray:

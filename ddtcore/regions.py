@@ -9,16 +9,17 @@ plateaus, then every pixel in between goes to the nearer of its two sides.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Tuple
+from typing import List, Optional, Tuple
 
 import numpy as np
 
-from . import merging, palette, ramps, sides, strokes
+from . import areas, margins, merging, overlays, palette, ramps, sides, strokes, surfaces
 from .canvas import Canvas, mean_colours, planes, prepare, unpack
-from .model import Labels
+from .model import Gradient, Labels
 from .noise import ROUNDING, SPECK, noise_level, noisy_colours
 from .options import TraceOptions
-from .posterise import is_noisy, posterise
+from .posterise import MOST_REGIONS, is_noisy, posterise
+from .sprites import label_sprite
 from .threshold import label_steps
 
 MANY = 40
@@ -39,7 +40,7 @@ def label_pixels(image: np.ndarray, options: TraceOptions) -> Labels:
     image : ndarray of shape (H, W, 4) and dtype uint8
         RGBA, not premultiplied.
     options : TraceOptions
-        `regions`, `threshold`, `colors` and `speckle` are used.
+        `regions`, `threshold`, `colors`, `areas` and `speckle` are used.
 
     Returns
     -------
@@ -48,6 +49,10 @@ def label_pixels(image: np.ndarray, options: TraceOptions) -> Labels:
     canvas = prepare(image)
     if options.regions == "threshold":
         labels = label_steps(canvas, options.threshold)
+    elif options.regions == "pixels":
+        labels = label_sprite(canvas)
+    elif options.regions == "areas":
+        labels = areas.label_areas(canvas, options.areas or MOST_REGIONS)
     elif is_noisy(canvas):
         labels = posterise(canvas, options.colors or MANY)
     else:
@@ -56,20 +61,28 @@ def label_pixels(image: np.ndarray, options: TraceOptions) -> Labels:
         labels = merging.limit_colours(labels, options.colors)
     if options.speckle:
         labels = merging.merge_specks(labels, options.speckle)
+    if options.areas:
+        labels = areas.limit_areas(labels, options.areas)
     return labels
 
 
 def label_flat_art(canvas: Canvas) -> Labels:
     """Label a picture made of flat colours, soft ramps and anti-aliasing between them."""
     slopes, count = ramps.find_ramps(canvas)
+    gradients: List[Optional[Gradient]] = [None] * count
     plateaus = palette.find_plateaus(canvas, slopes >= 0)
     noise, rippled = noise_level(canvas, plateaus.core, slopes)
-    if noise > ROUNDING:
+    plain = palette.plain_colours(canvas)
+    if plain.size:
+        noise, rippled, keys = ROUNDING, False, plain
+    elif noise > ROUNDING:
         # The ramps are ripples of flat colours.
         slopes, count = np.full(canvas.shape, -1, np.int32), 0
         plateaus = palette.find_plateaus(canvas, slopes >= 0)
         keys = noisy_colours(canvas, plateaus, noise)
     else:
+        slopes, gradients, plateaus = _surfaces(canvas, slopes, count, plateaus)
+        count = len(gradients)
         keys = palette.choose_colours(canvas, plateaus, count > 0)
     if not keys.size and not count:
         return posterise(canvas, MANY)
@@ -91,10 +104,25 @@ def label_flat_art(canvas: Canvas) -> Labels:
 
     thin, specks = _label_unknown(canvas, labels, ridges, keys, colours, noise)
     result = Labels(index=np.ascontiguousarray(canvas.bare(labels)), palette=colours,
-                    thin=np.ascontiguousarray(canvas.bare(thin)), ramp=np.arange(len(colours)) >= keys.size)
+                    thin=np.ascontiguousarray(canvas.bare(thin)), ramp=np.arange(len(colours)) >= keys.size,
+                    gradients=(*[None] * keys.size, *gradients[:count]))
     if specks > DITHER * cells.size + 10:
         return merging.merge_specks(result, SPECK)
     return _merge_ripples(canvas, result, noise) if rippled else merging.drop_unused(result)
+
+
+def _surfaces(canvas: Canvas, slopes: np.ndarray, count: int,
+              plateaus: palette.Plateaus) -> Tuple[np.ndarray, List[Optional[Gradient]], palette.Plateaus]:
+    """Ramps that one gradient each explains, with it, and what is drawn on them; and the plateaus left."""
+    if not count:
+        return slopes, [], plateaus
+    slopes, found = surfaces.separate(canvas, slopes, count, ~plateaus.core)
+    plateaus = palette.find_plateaus(canvas, slopes >= 0)
+    keys = plateaus.keys[(plateaus.counts >= overlays.WIDE) & (plateaus.full > 0)][:palette.MANY]
+    labels = palette.known_labels(canvas, plateaus, keys, ROUNDING)
+    count = overlays.add_drawn(canvas, slopes, found, keys, labels)
+    gradients = [surface.gradient for surface in found] + [None] * (count - len(found))
+    return slopes, gradients, palette.find_plateaus(canvas, slopes >= 0)
 
 
 def _label_unknown(canvas: Canvas, labels: np.ndarray, ridges: strokes.Ridges, keys: np.ndarray,
@@ -118,9 +146,12 @@ def _label_unknown(canvas: Canvas, labels: np.ndarray, ridges: strokes.Ridges, k
     lone = faint[strokes.lone_corners(labels, thin, faint, canvas.stride)]
     labels[lone] = -1
     sides.label_mixed(canvas, full, labels, lone, mixing)
+    flat = unknown[labels[unknown] < keys.size]
+    sharp[flat] = keys[labels[flat]]
     specks = sides.join_islands(canvas, full, labels, unknown)
     thin[ridges.cells] &= stroke == labels[ridges.cells]
     thin[lone] = False
+    margins.label_strips(canvas, labels, thin, mixing[:, :keys.size], noise)
     return thin, specks
 
 

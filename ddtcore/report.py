@@ -13,7 +13,7 @@ from typing import Any, Dict, Optional
 import numpy as np
 
 from .model import Drawing
-from .options import TraceOptions
+from .options import Automatic, TraceOptions
 from .svg import encoded
 
 _BMP_HEADER = 54
@@ -70,7 +70,8 @@ class Report:
 
 
 def report(image: np.ndarray, options: Optional[TraceOptions] = None,
-           drawing: Optional[Drawing] = None, name: str = "picture") -> Report:
+           drawing: Optional[Drawing] = None, name: str = "picture",
+           mesh: Optional[Drawing] = None) -> Report:
     """Trace a picture to its triangles and to its curves, and measure both.
 
     Parameters
@@ -82,6 +83,8 @@ def report(image: np.ndarray, options: Optional[TraceOptions] = None,
         The curves, if they are there already.
     name : str
         What the report calls the picture.
+    mesh : Drawing, optional
+        The triangles, if they are there already.
 
     Returns
     -------
@@ -89,8 +92,8 @@ def report(image: np.ndarray, options: Optional[TraceOptions] = None,
     """
     from .pipeline import trace
 
-    options = options or TraceOptions()
-    mesh = trace(image, replace(options, result="triangles"))
+    options = options or Automatic()
+    mesh = mesh or trace(image, replace(options, result="triangles"))
     curves = drawing or trace(image, replace(options, result="curves"))
     height, width = image.shape[:2]
     return Report(

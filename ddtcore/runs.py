@@ -121,7 +121,8 @@ def _frame_knots(planar: PlanarMap, lines: Polylines, along: Arclength) -> Tuple
     count = np.diff(lines.starts)
     arc = np.repeat(np.arange(len(count)), count)
     offset = np.arange(len(arc)) - lines.starts[arc]
-    inner = ((planar.left == 0) | lines.corners())[arc] & (planar.rings[arc] | ((offset > 0) & (offset < count[arc] - 1)))
+    inner = ((planar.left == 0) | lines.corners())[arc]
+    inner &= planar.rings[arc] | ((offset > 0) & (offset < count[arc] - 1))
     return arc[inner], along.at_point[inner], lines.points[inner]
 
 
@@ -155,7 +156,8 @@ def end_lines(runs: Runs) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
         index = np.clip(index, 0, max(len(runs.points) - 1, 0))
         sides.append(_one_side(runs, index, valid, runs.places[runs.knots[:, end]],
                                runs.places[runs.knots[:, 1 - end]]))
-    return tuple(np.stack(part, axis=1) for part in zip(*sides))
+    point, tangent, trust = (np.stack(part, axis=1) for part in zip(*sides))
+    return point, tangent, trust
 
 
 def _one_side(runs: Runs, index: np.ndarray, valid: np.ndarray, knot: np.ndarray,

@@ -200,4 +200,4 @@ def join_islands(canvas: Canvas, sharp: Canvas, labels: np.ndarray, cells: np.nd
     pair, label, distance = _nearer_side(canvas, sharp, labels, cells[alone])
     explained = (pair[1] >= 0) & (distance < _EXPLAINED)
     labels[cells[alone]] = np.where(explained, label, before)
-    return alone.size - np.count_nonzero(explained)
+    return alone.size - int(explained.sum())

@@ -4,7 +4,8 @@
 Between stops a gradient's colour is linear, and before the first and after the last
 one it is constant: a continuous, piecewise linear function whose knots are the stops.
 For given knots its values follow from least squares; the knots are found by trying
-all places of a grid at once, one knot after the other, on finer and finer grids.
+all places of a grid at once, and Gauss-Newton steps from the best ones (variable
+projection: Golub and Pereyra, SIAM Journal on Numerical Analysis 10, 1973).
 """
 
 from __future__ import annotations
@@ -22,8 +23,11 @@ GAIN = 0.7
 BINS = 128
 """Parts of equal length in which the colours along a gradient are averaged."""
 
-_GRIDS = (12, 48, 192, 768)
-"""Parts into which the gradient is divided to try places for stops: at first, and then nearby."""
+_PLACES = 16
+"""Parts into which the gradient is divided to try places for stops, before they are moved to the best ones."""
+
+_STEPS = 12
+"""Most Gauss-Newton steps of the stops."""
 
 _GAP = 1 / 1024
 """Least distance between two stops."""
@@ -102,7 +106,7 @@ def choose_stops(bins: Profile, price: float) -> Tuple[np.ndarray, np.ndarray]:
     values : ndarray of shape (K, C)
         Colour of each stop, not premultiplied, 0 to 255.
     """
-    places = np.linspace(0, 1, _GRIDS[0] + 1)
+    places = np.linspace(0, 1, _PLACES + 1)
     first, last = np.triu_indices(len(places), 1)
     knots, _ = _best(bins, np.stack([places[first], places[last]], axis=1))
     knots, error = best, least = _settled(bins, knots)
@@ -111,6 +115,8 @@ def choose_stops(bins: Profile, price: float) -> Tuple[np.ndarray, np.ndarray]:
         more = np.broadcast_to(knots, (len(free), len(knots)))
         more, _ = _best(bins, np.sort(np.concatenate([more, free[:, None]], axis=1), axis=1))
         knots, error = _settled(bins, more)
+        if error > price:
+            knots, error = _settled(bins, _elsewhere(bins, knots))
         extra = len(knots) - len(best)
         if error + extra * price < least and error < GAIN**extra * least:
             best, least = knots, error
@@ -118,27 +124,62 @@ def choose_stops(bins: Profile, price: float) -> Tuple[np.ndarray, np.ndarray]:
     return best, np.clip(values[0], 0, 255)
 
 
+def _elsewhere(bins: Profile, knots: np.ndarray) -> np.ndarray:
+    """The knots with one of them moved to the best place between its neighbours."""
+    ends = np.concatenate([[-_GAP], knots, [1 + _GAP]])
+    share = np.linspace(0, 1, _PLACES // 2 + 1)[:, None, None]
+    moved = (1 - share) * (ends[:-2, None] + _GAP) + share * (ends[2:, None] - _GAP)
+    return _best(bins, np.where(np.eye(len(knots), dtype=bool), moved, knots).reshape(-1, len(knots)))[0]
+
+
 def _settled(bins: Profile, knots: np.ndarray) -> Tuple[np.ndarray, float]:
-    """Knots moved one after the other to the best places between their neighbours, and the error there."""
-    error = np.inf
-    for grid in _GRIDS[1:]:
-        for _ in range(2):
-            before = error
-            for k in range(len(knots)):
-                knots, error = _best(bins, _moves(knots, k, grid))
-            if error > 0.99 * before:
-                break
-    return knots, error
+    """Knots moved to where the error is least, near where they are, and the error there."""
+    values, error = _fitted(bins, knots[None])
+    damping = 1e-3
+    for _ in range(_STEPS):
+        matrix, pull = _pull(bins, knots, values[0])
+        # What hardly matters, like a stop at the very end, stays where it is.
+        steep = np.diag(matrix)
+        step = np.linalg.solve(matrix + np.diag(damping * steep + 1e-4 * steep.max() + 1e-12), pull)
+        moved = _apart(knots + step)
+        values_there, ahead = _fitted(bins, moved[None])
+        if ahead[0] >= error[0]:
+            damping *= 20
+            continue
+        done = ahead[0] > 0.995 * error[0]
+        knots, values, error, damping = moved, values_there, ahead, damping / 10
+        if done:
+            break
+    return knots, float(error[0])
 
 
-def _moves(knots: np.ndarray, k: int, grid: int) -> np.ndarray:
-    """The knots with number `k` where it is, and at as many places around as the first grid has parts."""
-    low = knots[k - 1] + _GAP if k else 0.0
-    high = knots[k + 1] - _GAP if k + 1 < len(knots) else 1.0
-    moved = np.repeat(knots[None], _GRIDS[0] + 1, axis=0)
-    moved[1:, k] += (np.arange(_GRIDS[0]) - (_GRIDS[0] - 1) / 2) / grid
-    moved[:, k] = np.clip(moved[:, k], low, high)
-    return moved
+def _apart(knots: np.ndarray) -> np.ndarray:
+    """The knots within 0 and 1, rising by some distance at least."""
+    spread = _GAP * np.arange(len(knots))
+    return np.clip(np.maximum.accumulate(knots - spread), 0, 1 - spread[-1]) + spread
+
+
+def _pull(bins: Profile, knots: np.ndarray, values: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Normal equations of the step of all knots that lowers the error, with the colours free to follow."""
+    share = hats(bins.place, knots)
+    off = bins.colour - share.dot(values)
+    slope = np.diff(values, axis=0) / np.diff(knots)[:, None]
+    none = np.zeros((1, values.shape[1]))
+    before, after = np.concatenate([none, slope]), np.concatenate([slope, none])
+    passed = (bins.place[:, None] > knots)[..., None]
+    change = -share[..., None] * np.where(passed, after, before)
+    matrix, pull = 0.0, 0.0
+    for one in {0: slice(0, 3), 3: slice(3, 4)}.values():
+        weight = bins.weight[:, one][:, :1]
+        if not weight.size:
+            continue
+        held = (weight * share).T
+        inner = held.dot(share) + _STIFF * weight.sum() * np.eye(len(knots))
+        move = change[..., one].reshape(len(share), -1)
+        move = (move - share.dot(np.linalg.solve(inner, held.dot(move)))).reshape(len(share), len(knots), -1)
+        matrix = matrix + np.einsum("b,bkc,blc->kl", weight[:, 0], move, move)
+        pull = pull + np.einsum("b,bkc,bc->k", weight[:, 0], move, off[:, one])
+    return matrix, pull
 
 
 def _best(bins: Profile, knots: np.ndarray) -> Tuple[np.ndarray, float]:

@@ -25,6 +25,9 @@ LEAST = 12.0
 FAINT = 0.16
 """Smallest coverage of a stroke's pixel."""
 
+FAINTER = 0.09
+"""Smallest coverage of a pixel that continues a stroke."""
+
 COLOURS = 32
 """How many colours are weighed for strokes."""
 
@@ -214,8 +217,28 @@ def stroke_labels(canvas: Canvas, ridges: Ridges, colours: np.ndarray, labels: n
     choice = np.argmin(vote + 0.3 * beside, axis=1)
     rows = np.arange(choice.size)
     beside, share = beside[rows, choice], share[rows, choice]
-    good = (beside < 0.25 * height + 10) & (share > FAINT + (noise - ROUNDING) / 100)
-    return np.where(good, chosen[choice], -1).astype(np.int32), share
+    doubt = (noise - ROUNDING) / 100
+    clear = (length(ridges.one - ridges.other) < LEAST) & (height > 2 * LEAST)
+    good = (beside < 0.25 * height + 10) & (share > np.where(clear, FAINTER, FAINT) + doubt)
+    label = np.where(good, chosen[choice], -1).astype(np.int32)
+    strong = share > FAINT + doubt
+    label[~strong & ~_continuing(canvas, ridges.cells, label, strong, labels)] = -1
+    return label, share
+
+
+def _continuing(canvas: Canvas, cells: np.ndarray, label: np.ndarray, strong: np.ndarray,
+                labels: np.ndarray) -> np.ndarray:
+    """Which ridge pixels lead to strong ones through others of the same label, away from areas of it, bool (R,)."""
+    ring = window(canvas.stride, 1, 1)[:, None]
+    stroke = np.full(labels.size, -1, np.int32)
+    stroke[cells[strong]] = label[strong]
+    weak = np.flatnonzero(~strong & (label >= 0))
+    weak = weak[(labels[cells[weak] + ring] != label[weak]).all(axis=0)]
+    for _ in range(_ROUNDS):
+        led = (stroke[cells[weak] + ring] == label[weak]).any(axis=0)
+        stroke[cells[weak[led]]] = label[weak[led]]
+        weak = weak[~led]
+    return stroke[cells] >= 0
 
 
 def lone_corners(labels: np.ndarray, thin: np.ndarray, cells: np.ndarray, stride: int) -> np.ndarray:

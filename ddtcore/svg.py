@@ -21,7 +21,7 @@ import numpy as np
 from .model import Drawing, Gradient, Shape, Triangles
 from .pathdata import number_text, path_data, path_texts
 
-__all__ = ["document", "encoded", "group", "path_data", "save"]
+__all__ = ["document", "encoded", "group", "path_data", "save", "write"]
 
 _NAMESPACE = "http://www.w3.org/2000/svg"
 _INKSCAPE = "http://www.inkscape.org/namespaces/inkscape"
@@ -59,7 +59,7 @@ def document(drawing: Drawing) -> str:
     return "".join(_document(drawing))
 
 
-def group(drawing: Drawing, names: bool = False, ids: str = "gradient") -> str:
+def group(drawing: Drawing, names: bool = False, ids: str = "gradient", runs: bool = False) -> str:
     """A ``<g>`` with the drawing in pixels, to be put into another document.
 
     Parameters
@@ -69,6 +69,8 @@ def group(drawing: Drawing, names: bool = False, ids: str = "gradient") -> str:
         Give each path the name of its shape, as Inkscape's label.
     ids : str
         What the ids of gradients begin with; they must be unused where the group goes.
+    runs : bool
+        Put shapes of one colour that follow each other into a group of their own.
 
     Returns
     -------
@@ -83,10 +85,26 @@ def group(drawing: Drawing, names: bool = False, ids: str = "gradient") -> str:
         unit = _Unit(10**drawing.decimals, drawing.decimals)
         paints, defs = _paints(drawing.shapes, unit, ids, black=' fill="#000"')
         body.append(defs)
-        for shape, paint, text in zip(drawing.shapes, paints, _texts(drawing.shapes, unit)):
-            label = f' inkscape:label="{_escape(shape.name)}"' if names else ""
-            body.append(f'<path{label}{paint} d="{text}"/>' if text else "")
+        texts = _texts(drawing.shapes, unit)
+        painted = [(paint, shape, text) for paint, shape, text in zip(paints, drawing.shapes, texts) if text]
+        for _, run in groupby(painted, key=lambda item: item[0] if runs else None):
+            body.extend(_run(list(run), names, runs))
     return "".join(body) + "</g>"
+
+
+def _run(members: List[Tuple[str, Shape, str]], names: bool, together: bool) -> Iterator[str]:
+    """Paths, each with its paint and, if wanted, its name; several together as a group named alike."""
+    paths = (f'<path{_label(shape.name, names)}{paint} d="{text}"/>' for paint, shape, text in members)
+    if together and len(members) > 1:
+        yield f"<g{_label(members[0][1].name.split()[0], names)}>"
+        yield from paths
+        yield "</g>"
+    else:
+        yield from paths
+
+
+def _label(name: str, wanted: bool) -> str:
+    return f' inkscape:label="{_escape(name)}"' if wanted else ""
 
 
 def encoded(drawing: Drawing, compressed: bool = False) -> Iterator[bytes]:
@@ -110,7 +128,11 @@ def save(drawing: Drawing, path: Union[str, os.PathLike[str]]) -> None:
         If the file can't be written.
     """
     path = os.fspath(path)
-    pieces = encoded(drawing, path.lower().endswith(".svgz"))
+    write(path, encoded(drawing, path.lower().endswith(".svgz")))
+
+
+def write(path: str, pieces: Iterable[bytes]) -> None:
+    """Write a file, which appears complete or not at all."""
     if os.path.exists(path) and not os.path.isfile(path):
         # A device or a pipe must be written to; renaming would put a file in its place.
         with open(path, "wb") as file:

@@ -23,6 +23,7 @@ from .flips import flip_rounds
 from .model import OUTSIDE, Labels, Mesh
 from .options import TraceOptions
 from .quads import choose_slash, colour_steps, half_edges, split_planes
+from .raster import packed
 from .ribbon import Ribbon
 
 LABEL_ROUNDS = 4
@@ -78,7 +79,7 @@ def start_ribbon(image: np.ndarray, labels: Labels, options: TraceOptions) -> Tu
     everywhere = options.flips == "everywhere"
     quads = _uneven(vertex_labels)
     if everywhere:
-        quads |= _dilated(_uneven(np.pad(_packed(image), 1, mode="edge")))
+        quads |= _dilated(_uneven(np.pad(packed(image), 1, mode="edge")))
     numbers = np.flatnonzero(quads)
     steps = colour_steps(image, numbers)
     slash = choose_slash(image, labels, numbers, steps, options.cost)
@@ -129,12 +130,6 @@ def _fill(mesh: Mesh, image: np.ndarray, labels: Labels, options: TraceOptions) 
     one, other = rim[order[meet]], rim[order[meet + 1]]
     twins[one], twins[other] = other, one
     return replace(mesh, triangles=triangles, twins=twins, quads=np.ones_like(mesh.quads))
-
-
-def _packed(image: np.ndarray) -> np.ndarray:
-    """Each pixel in one number, uint32 (H, W); 0 for all that are transparent."""
-    packed = np.ascontiguousarray(image).view(np.uint32)[..., 0]
-    return np.where(image[..., 3] > 0, packed, np.uint32(0))
 
 
 def _uneven(plane: np.ndarray) -> np.ndarray:

@@ -134,9 +134,10 @@ def _candidates(gates: _Gates, following: np.ndarray, door: np.ndarray, sight: _
     span = gates.high[door] - gates.low[door]
     bounds = []
     for slope, unseen in ((sight.least, 0.0), (sight.most, 1.0)):
-        ray = (gates.ahead[following] * (1 - 1j * slope)).conj()
-        across = (ray * span).imag
-        hit = -(ray * (gates.low[door] - sight.corner)).imag / np.where(across == 0, 1, across)
+        with np.errstate(invalid="ignore"):
+            ray = (gates.ahead[following] * (1 - 1j * slope)).conj()
+            across = (ray * span).imag
+            hit = -(ray * (gates.low[door] - sight.corner)).imag / np.where(across == 0, 1, across)
         bounds.append(np.where(sight.reach > 0, np.clip(hit, 0, 1), unseen))
     share = np.linspace(0, 1, _CANDIDATES)
     depth = bounds[0][:, None] + (bounds[1] - bounds[0])[:, None] * share

@@ -5,12 +5,21 @@ from __future__ import annotations
 
 import os
 
+import browser
 import inkscape_host
 import pytest
 
 
 def pytest_addoption(parser):
     parser.addoption("--update-golden", action="store_true", help="write the drawings in tests/golden anew")
+
+
+def pytest_collection_modifyitems(config, items):
+    """Where tests run in parallel, Inkscape runs once at a time: virtual screens can collide."""
+    if config.pluginmanager.hasplugin("xdist"):
+        for item in items:
+            if "inkscape" in item.fixturenames:
+                item.add_marker(pytest.mark.xdist_group("inkscape"))
 
 
 @pytest.fixture(autouse=True)
@@ -34,7 +43,10 @@ def inkscape(request, tmp_path_factory):
 
 
 def pytest_terminal_summary(terminalreporter):
-    """Say loudly that tests with real Inkscape were skipped."""
+    """Say loudly that tests with real Inkscape or with a real browser were skipped."""
     if not inkscape_host.commands():
         terminalreporter.section("NOT TESTED WITH REAL INKSCAPE")
         terminalreporter.line(inkscape_host.MISSING)
+    if not browser.command():
+        terminalreporter.section("NOT TESTED WITH A REAL BROWSER")
+        terminalreporter.line(browser.MISSING)

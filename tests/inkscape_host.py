@@ -31,19 +31,30 @@ def commands():
 
 
 class Inkscape:
-    """One version of Inkscape with a profile of its own."""
+    """One version of Inkscape with a profile of its own.
 
-    def __init__(self, command, profile):
+    The extension is there as links to the files of the project, or as unpacked from `package`.
+    """
+
+    def __init__(self, command, profile, package=None):
         self.command = list(command)
         self.profile = Path(profile)
         folder = self.profile / "extensions" / "ddt_trace"
         folder.mkdir(parents=True)
+        if package:
+            shutil.unpack_archive(str(package), str(folder))
+            return
         for name in ("ddt_trace.inx", "ddt_trace.py", "ddtcore"):
             (folder / name).symlink_to(ROOT / name)
 
-    def run(self, *arguments, log=None):
-        """Run Inkscape on a virtual screen; it has to end by itself and without an error."""
-        environment = dict(os.environ, INKSCAPE_PROFILE_DIR=str(self.profile))
+    def run(self, *arguments, log=None, language="en"):
+        """Run Inkscape on a virtual screen; it has to end by itself and without an error.
+
+        Returns what it says to standard error.
+        """
+        environment = dict(os.environ, INKSCAPE_PROFILE_DIR=str(self.profile), LANG="C.UTF-8",
+                           LANGUAGE=language)
+        environment.pop("LC_ALL", None)
         # The first python3 on the PATH runs the extension: the system's, as for most users.
         environment["PATH"] = os.pathsep.join(["/usr/bin", environment["PATH"]])
         if log:
@@ -55,17 +66,23 @@ class Inkscape:
         except subprocess.TimeoutExpired:
             os.killpg(process.pid, signal.SIGKILL)  # a box on the screen waits for somebody to close it
             raise
-        assert process.returncode == 0, stderr.decode(errors="replace")
+        said = stderr.decode(errors="replace")
+        assert process.returncode == 0, said
+        return said
 
-    def trace(self, document, result, ids=(), log=None, **settings):
-        """Trace pictures of a document through the menu action, with settings as the dialog keeps them."""
+    def trace(self, document, result, ids=(), log=None, language="en", more=(), **settings):
+        """Trace pictures of a document through the menu action, with settings as the dialog keeps them.
+
+        `more` are actions to run before the document is saved.
+        """
         values = "".join(f" {EXTENSION_ID}.{name}={quoteattr(value)}" for name, value in settings.items())
         (self.profile / "preferences.xml").write_text(
             f'<inkscape version="1"><group id="extensions"{values}/></inkscape>')
         action = EXTENSION_ID.replace("_", "-") + ".noprefs"
         select = [f"select-by-id:{','.join(ids)}"] if ids else []
-        steps = [*select, action, f"export-filename:{result}", "export-do"]
-        self.run("--batch-process", f"--actions={';'.join(steps)}", document, log=log)
+        steps = [*select, action, *more, f"export-filename:{result}", "export-do"]
+        return self.run("--batch-process", f"--actions={';'.join(steps)}", document, log=log,
+                        language=language)
 
     def render(self, *documents):
         """Write a PNG beside each document."""

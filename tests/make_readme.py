@@ -11,14 +11,19 @@ from __future__ import annotations
 import ast
 import io
 import re
+import subprocess
+import sys
+import tempfile
 from dataclasses import fields, replace
 from pathlib import Path
 from statistics import median
 
-import resvg_py
+import browser
 from PIL import Image
+from readme_paint import beside, enlarge, nodes, paint, save
+from readme_strips import STRIPS, strip
 
-from ddtcore import TraceOptions, load_image, trace
+from ddtcore import TraceOptions, compare, load_image, trace
 from ddtcore.options import PRESETS
 from ddtcore.report import report
 from ddtcore.svg import encoded, group
@@ -26,7 +31,6 @@ from ddtcore.svg import encoded, group
 ROOT = Path(__file__).resolve().parent.parent
 README = ROOT / "README.md"
 IMAGES = ROOT / "tests" / "images"
-PICTURES = IMAGES / "readme"
 CRISP = sorted((IMAGES / "crisp").glob("*.png"))
 
 PAPER_ROWS = {"Donald Duck": (1740, 85577, 139, 56), "Pumba": (4470, 233179, 129, 48),
@@ -35,42 +39,20 @@ PAPER_ROWS = {"Donald Duck": (1740, 85577, 139, 56), "Pumba": (4470, 233179, 129
 
 ROOMS = {
     "the whole": "pipeline model options",
-    "from outside": "__init__ __main__ cli files report inkscape",
+    "from outside": "__init__ __main__ cli files report compare inkscape",
     "picture in": "raster",
     "pixels to regions": "regions canvas palette noise mixes sides strokes ramps posterise threshold merging"
                          " components",
     "mesh": "triangulation quads cost ribbon flips",
     "outlines": "border outline position flatten staircase",
-    "curves": "fit runs corner cubic polish coverage quadratic bezier",
+    "curves": "fit runs segments corner cubic polish newton coverage quadratic bezier",
     "paint": "paint gradient field stops",
-    "drawing out": "stacking order loops doors rankmap underlap shortcut svg pathdata",
+    "drawing out": "stacking order loops doors rankmap underlap shortcut grouping svg pathdata",
 }
 """Modules of ddtcore in the order of reading; new ones appear at the end until they are named here."""
 
-_GAP = 16
-_INK = "#d0006f"
-
 
 # -- pictures ---------------------------------------------------------------------
-
-def paint(body, box, zoom):
-    """Render a piece of SVG, in pixels of the picture, where `box` (x, y, width, height) lies."""
-    x, y, width, height = box
-    svg = (f'<svg xmlns="http://www.w3.org/2000/svg" width="{width * zoom}" height="{height * zoom}"'
-           f' viewBox="{x} {y} {width} {height}">{body}</svg>')
-    png = resvg_py.svg_to_bytes(svg_string=svg, background="white", skip_system_fonts=True)
-    return Image.open(io.BytesIO(bytes(png))).convert("RGB")
-
-
-def enlarge(picture, box, zoom):
-    """The bitmap itself, every pixel a square."""
-    x, y, width, height = box
-    with Image.open(picture) as image:
-        pixels = image.convert("RGBA").crop((x, y, x + width, y + height))
-    page = Image.new("RGBA", pixels.size, "white")
-    page.alpha_composite(pixels)
-    return page.convert("RGB").resize((width * zoom, height * zoom), Image.NEAREST)
-
 
 def traced(picture, preset="clip-art", **changes):
     """A trace with coordinates fine enough to be enlarged."""
@@ -78,37 +60,31 @@ def traced(picture, preset="clip-art", **changes):
     return replace(drawing, decimals=3)
 
 
-def nodes(drawing, zoom):
-    """The nodes of a drawing as dots, the control points as handles."""
-    dots, handles = set(), set()
-    for shape in drawing.shapes:
-        for loop in shape.loops:
-            for (p0, p1, p2, p3), degree in zip(loop.control.round(2).tolist(), loop.degree):
-                dots.add(tuple(p0))
-                if degree > 1:
-                    handles.update([(*p0, *p1), (*p3, *p2)])
-    lines = "".join(f"M{x0} {y0}L{x1} {y1}" for x0, y0, x1, y1 in sorted(handles))
-    circles = "".join(f'<circle cx="{x}" cy="{y}" r="{2.6 / zoom}"/>' for x, y in sorted(dots))
-    return (f'<path d="{lines}" fill="none" stroke="{_INK}" stroke-width="{1 / zoom}"/>'
-            f'<g fill="{_INK}" stroke="white" stroke-width="{.8 / zoom}">{circles}</g>')
+def make_poster():
+    """A document with a bitmap, and with its trace in place of it."""
+    document = ROOT / "tests" / "documents" / "poster.svg"
+    command = [sys.executable, ROOT / "ddt_trace.py", "--id=glasses", "--source=remove", document]
+    done = subprocess.run(command, check=True, stdout=subprocess.PIPE)
+    box = (70, 60, 180, 100)
+    save(beside([paint(svg.decode(), box, 3, folder=document.parent)
+                 for svg in (document.read_bytes(), done.stdout)]), "poster")
 
 
-def beside(*rows):
-    """Pictures of one size in rows, with a gap between them."""
-    width, height = rows[0][0].size
-    columns = len(rows[0])
-    page = Image.new("RGB", (columns * (width + _GAP) - _GAP, len(rows) * (height + _GAP) - _GAP), "white")
-    for i, row in enumerate(rows):
-        for j, picture in enumerate(row):
-            page.paste(picture, (j * (width + _GAP), i * (height + _GAP)))
-    return page
-
-
-def save(picture, name, colours=64):
-    """Write a PNG with few colours: small, and the same at every run."""
-    PICTURES.mkdir(exist_ok=True)
-    reduced = picture.quantize(colours, method=Image.MEDIANCUT, dither=Image.NONE)
-    reduced.save(PICTURES / f"{name}.png", optimize=True)
+def make_comparison():
+    """The page of ``compare`` in a browser, with nodes; nothing where there is no browser."""
+    if not browser.command():
+        return
+    with tempfile.TemporaryDirectory() as folder, browser.Browser(1080, 690) as window:
+        page = Path(folder) / "page.html"
+        dinosaur = load_image(IMAGES / "stegosaurus.png")
+        page.write_text(compare.compare(dinosaur, name="stegosaurus.png"), encoding="utf-8")
+        window.open(page)
+        window.click("#close")
+        window.press("5", *"[" * 10)
+        window.value("document.activeElement.blur()")
+        window.settle()
+        with Image.open(io.BytesIO(window.shot())) as shot:
+            save(shot.convert("RGB"), "compare")
 
 
 def make_pictures():
@@ -132,6 +108,13 @@ def make_pictures():
         # Shapes that are cut out have nodes where they are seen, and nowhere under others.
         marks = nodes(traced(dinosaur, result=result, stacking="cutout"), zoom)
         save(paint(group(traced(dinosaur, result=result)) + marks, detail, zoom), result)
+
+    butterfly, wing = IMAGES / "crisp" / "butterfly.png", (716, 74, 176, 110)
+    save(beside([enlarge(butterfly, wing, 3), paint(group(traced(butterfly)), wing, 3)]), "butterfly")
+    make_poster()
+    make_comparison()
+    for name in STRIPS:
+        save(strip(name), f"setting-{name}")
 
     crisp, close = IMAGES / "crisp" / "stegosaurus.png", (28, 350, 82, 72)
     save(beside([enlarge(crisp, close, 4)] + [paint(group(traced(crisp, preset)), close, 4)
@@ -177,10 +160,12 @@ def settings_table():
     for setting in fields(TraceOptions):
         meta = setting.metadata
         values = ", ".join(f"`{choice}`" for choice in meta["choices"])
-        if not values:
+        if meta["low"] is None and not values:
+            values = "text"
+        elif not values:
             values = f"{meta['low']:,.15g} to {meta['high']:,.15g} {meta['unit']}".rstrip()
         default = setting.default if isinstance(setting.default, str) else f"{setting.default:,.15g}"
-        rows.append([f"`--{setting.name}`", meta["help"], values, f"`{default}`"])
+        rows.append([f"`--{setting.name}`", meta["help"], values, f"`{default}`" if default else "none"])
     return table(["setting", "what it says", "values", "default"], rows)
 
 
@@ -222,14 +207,19 @@ def _first_line(path):
 TABLES = {"ratios": ratios_table, "settings": settings_table, "presets": presets_table, "rooms": rooms_table}
 
 
+def with_table(text, name, content):
+    """The README with other content between the marks of a table."""
+    parts = re.split(rf"(<!-- {name}: [^>]*-->\n).*?(<!-- end -->)", text, flags=re.DOTALL)
+    if len(parts) != 4:
+        raise ValueError(f"README.md must have one place for the table {name!r}")
+    before, begin, end, after = parts
+    return f"{before}{begin}{content}\n{end}{after}"
+
+
 def with_tables(text, names=tuple(TABLES)):
     """The README with some of its tables made anew."""
     for name in names:
-        parts = re.split(rf"(<!-- {name}: [^>]*-->\n).*?(<!-- end -->)", text, flags=re.DOTALL)
-        if len(parts) != 4:
-            raise ValueError(f"README.md must have one place for the table {name!r}")
-        before, begin, end, after = parts
-        text = f"{before}{begin}{TABLES[name]()}\n{end}{after}"
+        text = with_table(text, name, TABLES[name]())
     return text
 
 

@@ -19,6 +19,8 @@ import ddtcore
 from ddtcore import TraceOptions
 from ddtcore.cli import main
 from ddtcore.model import Drawing
+from ddtcore.options import Automatic
+from ddtcore.pipeline import STAGES
 
 ROOT = os.path.dirname(os.path.dirname(ddtcore.__file__))
 
@@ -105,7 +107,10 @@ def test_one_failure_is_one_line(folder, capsys):
     (["a.png", "--tolerance", "wide"], "--tolerance: invalid float value: 'wide'"),
     (["a.png", "--colors", "1.5"], "--colors: invalid int value: '1.5'"),
     (["a.png", "--cost", "cheap"], "--cost must be one of yu, paper, not 'cheap'"),
-    (["a.png", "--preset", "cartoon"], "--preset must be one of clip-art"),
+    (["a.png", "--preset", "cartoon"], "--preset must be one of automatic, clip-art"),
+    (["a.png", "--palette", "#000 red"], "--palette must be colours such as '#000 #fff #d22', or a GIMP palette"),
+    (["a.png", "--palette", "no.gpl"], "--palette must be a file that can be read, not 'no.gpl'"),
+    (["a.png", "--merge", "101"], "--merge must be between 0 and 100 %, not 101"),
     (["a.png", "--jobs", "-1"], "--jobs must be 0 or more, not -1"),
     (["a.png", "b.jpg", "-o", "x.svg"], "-o and - are for one picture"),
     (["a.png", "b.jpg", "-o", ""], "-o and - are for one picture"),
@@ -129,7 +134,7 @@ def test_bad_usage_is_one_line_and_nothing_is_done(folder, capsys, arguments, sa
 def given(monkeypatch, *arguments):
     """The options that arguments lead to."""
     seen = []
-    monkeypatch.setattr("ddtcore.cli.run_all", lambda jobs, workers: seen.extend(jobs) or [])
+    monkeypatch.setattr("ddtcore.cli.run_all", lambda jobs, *given: seen.extend(jobs) or [])
     assert main(["a.png", *arguments]) == 0
     return seen[0].options
 
@@ -140,17 +145,20 @@ SETTINGS = fields(TraceOptions)
 @pytest.mark.parametrize("setting", SETTINGS, ids=[setting.name for setting in SETTINGS])
 def test_every_setting_is_a_flag(monkeypatch, capsys, setting):
     meta = setting.metadata
-    value = meta["choices"][-1] if meta["choices"] else type(setting.default)(meta["low"])
+    text = isinstance(setting.default, str)
+    value = meta["choices"][-1] if meta["choices"] else "#000 #fff" if text else type(setting.default)(meta["low"])
     flag = "--" + setting.name.replace("_", "-")
-    assert given(monkeypatch, flag, str(value)) == TraceOptions(**{setting.name: value})
-    if not meta["choices"]:
+    options = given(monkeypatch, flag, str(value))
+    assert options == TraceOptions.preset("automatic", **{setting.name: value})
+    assert given(monkeypatch, flag, str(value), "--preset=clip-art") == TraceOptions(**{setting.name: value})
+    if not text:
         with pytest.raises(SystemExit):
             main(["a.png", flag, str(type(setting.default)(meta["high"] + 1))])
         assert f"{flag} must be between" in lines(capsys)[1][0]
 
 
 def test_flags_win_over_the_preset(monkeypatch):
-    assert given(monkeypatch) == TraceOptions()
+    assert given(monkeypatch) == Automatic()
     assert given(monkeypatch, "--preset", "paper") == TraceOptions.preset("paper")
     changed = given(monkeypatch, "--suppression", "3", "--preset", "paper", "--cost", "yu")
     assert changed == TraceOptions.preset("paper", suppression=3, cost="yu")
@@ -182,8 +190,39 @@ def test_report_as_text_and_as_json(folder, capsys):
     assert [json.loads(line)["picture"] for line in out] == ["a.png", "b.jpg"] and len(error) == 1
 
 
+def test_timings_as_text_and_as_json(folder, capsys):
+    assert main(["a.png", "--timings"]) == 0
+    out, error = lines(capsys)
+    assert out[0] == "a.png" and error == []
+    stages = ["start", "reading", *STAGES, "writing"]
+    assert [line.rsplit(None, 4)[0].strip() for line in out[1:]] == [*stages, "in all"]
+    assert main(["a.png", "--timings", "--json"]) == 0
+    (line,), error = lines(capsys)
+    figures = json.loads(line)
+    assert set(figures) == {"picture", "timings"} and error == []
+    assert [lap["stage"] for lap in figures["timings"]] == stages
+    assert all(lap["seconds"] >= 0 and lap["peak_mb"] >= 0 for lap in figures["timings"])
+
+
+def test_report_and_timings_go_together(folder, capsys):
+    assert main(["a.png", "--report", "--timings"]) == 0
+    out, _ = lines(capsys)
+    assert out[0] == "a.png, 12 x 8 px" and out[-1].strip().startswith("in all") and "a.png" not in out
+    assert main(["a.png", "b.jpg", "--report", "--timings", "--json"]) == 0
+    out, _ = lines(capsys)
+    assert [{"bytes", "timings"} <= set(json.loads(line)) for line in out] == [True, True]
+
+
+def test_a_budget_that_bites_is_one_line(folder, capsys):
+    Image.fromarray(np.random.RandomState(1).randint(0, 256, (90, 120, 3)).astype(np.uint8)).save("a.png")
+    assert main(["a.png", "--megapixels", "0.01"]) == 0
+    out, error = lines(capsys)
+    assert out == [] and len(error) == 1 and "a.png: traced at 1/2 of its resolution" in error[0]
+    assert 'width="120" height="90"' in (folder / "a.svg").read_text()
+
+
 def test_notes_go_to_standard_error_unless_quiet(folder, capsys, monkeypatch):
-    monkeypatch.setattr("ddtcore.pipeline.trace", lambda *arguments: Drawing(12, 8, notes=("one", "two")))
+    monkeypatch.setattr("ddtcore.pipeline.trace", lambda *given: Drawing(12, 8, notes=("one", "two")))
     assert main(["a.png"]) == 0
     out, error = lines(capsys)
     assert out == [] and [line.split(": ", 1)[1] for line in error] == ["a.png: one", "a.png: two"]
@@ -229,6 +268,37 @@ class TestUnix:
         os.killpg(child.pid, signal.SIGINT)
         _, error = child.communicate(timeout=30)
         assert (child.returncode, error) == (130, b"") and new_files(folder) == []
+
+    def on_a_terminal(self, *arguments):
+        """What a terminal receives when the command line runs there, and the exit code."""
+        import pty
+
+        terminal, end = pty.openpty()
+        child = subprocess.Popen([sys.executable, "-m", "ddtcore", *arguments], stderr=end, stdout=end,
+                                 env={**os.environ, "PYTHONPATH": ROOT})
+        os.close(end)
+        pieces = []
+        while True:
+            try:
+                pieces.append(os.read(terminal, 1 << 12))
+            except OSError:  # Linux says this where others send nothing more.
+                break
+            if not pieces[-1]:
+                break
+        os.close(terminal)
+        return b"".join(pieces).decode(), child.wait()
+
+    def test_a_terminal_sees_how_far_it_is_and_nothing_of_it_in_the_end(self, folder):
+        text, code = self.on_a_terminal("a.png", "c d.png")
+        for stage, share in STAGES.items():
+            assert f"1 of 2, a.png: {stage}, {share:.0%}" in text and f"2 of 2, c d.png: {stage}" in text
+        shown, last = text.split("\n")[-2].rstrip("\r").split("\r")[-2:]
+        assert code == 0 and shown.strip() == "" and last.endswith("2 of 2 pictures traced, 0 failed")
+        text, code = self.on_a_terminal("a.png", "c d.png", "--jobs", "2")
+        assert code == 0 and "1 of 2 done" in text
+
+    def test_a_quiet_terminal_stays_empty(self, folder):
+        assert self.on_a_terminal("a.png", "--quiet") == ("", 0)
 
     def test_a_device_is_written_to(self, folder):
         done = process("a.png", "-o", "/dev/stdout")

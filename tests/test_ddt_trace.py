@@ -85,6 +85,11 @@ def test_dialog_agrees_with_the_options(params, setting):
         assert choices(param)[0] == setting.default
         return
     kind = type(setting.default)
+    if kind is str:
+        # A field to type into, with a button that offers files.
+        assert (param.get("type"), param.get("mode"), param.get("filetypes")) == ("path", "file", "gpl")
+        assert (param.text or "") == setting.default
+        return
     assert param.get("type") == kind.__name__
     assert kind(param.text) == setting.default
     assert float(param.get("min")) == meta["low"]

@@ -6,8 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ddtcore.field import (Field, Samples, first_field, refined, slopes, squares, total_error,
-                           weighted_quantile)
+from ddtcore.field import Field, Samples, first_field, refined, slopes, squares, total_error, weighted_quantile
 
 LINEAR = Field("linear", np.array([0.7]))
 CIRCLE = Field("radial", np.array([0.3, -0.4]))

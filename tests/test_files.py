@@ -16,6 +16,7 @@ from PIL import Image
 import ddtcore
 from ddtcore import ImageError, TraceOptions, load_image, trace, trace_file
 from ddtcore.files import Job, default_target, run_all
+from ddtcore.pipeline import STAGES
 
 
 @pytest.fixture
@@ -131,6 +132,17 @@ def test_whatever_goes_wrong_becomes_one_line(pictures, monkeypatch, fault, said
     monkeypatch.setattr("ddtcore.svg.save", fail)
     outcome, = run_all(jobs_for(pictures[:1]))
     assert said in outcome.error and "picture0" in outcome.error and "\n" not in outcome.error
+
+
+def test_stages_are_told_with_a_share_that_grows(pictures):
+    told = []
+    jobs = jobs_for(pictures[:2])
+    assert not any(outcome.error for outcome in run_all(jobs, 1, lambda *what: told.append(what)))
+    for job in jobs:
+        stages = [(stage, share) for whose, stage, share in told if whose is job]
+        assert [stage for stage, _ in stages] == ["start", "reading", *STAGES, "writing"]
+        shares = [share for _, share in stages]
+        assert shares == sorted(shares) and shares[0] == 0 and shares[-1] < 1
 
 
 def test_no_jobs_are_no_work():

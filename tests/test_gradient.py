@@ -72,7 +72,7 @@ def test_gradients_go_on_beyond_the_samples(gradient):
 def test_stops_rise_from_the_first_to_one():
     for gradient in GRADIENTS:
         offsets = [stop[0] for stop in fit_gradient(painted(gradient, region()), region()).stops]
-        assert offsets == sorted(offsets) and 0 <= offsets[0] and offsets[-1] == 1
+        assert offsets == sorted(offsets) and offsets[0] >= 0 and offsets[-1] == 1
         assert 2 <= len(offsets) <= 4
 
 

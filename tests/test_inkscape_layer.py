@@ -64,7 +64,7 @@ def test_nothing_else_in_the_document_changes(tmp_path):
 
 
 def test_paths_are_named_and_the_group_is_described(tmp_path):
-    _, root = trace(tmp_path, IMAGE % ("a", 0), "--colors=5", "--tolerance=0.5")
+    _, root = trace(tmp_path, IMAGE % ("a", 0), "--preset=clip-art", "--colors=5", "--tolerance=0.5")
     group, = layers(root)[0]
     assert all(path.get(LABEL) for path in group.iter("{*}path"))
     description = group.findtext("{*}desc")
@@ -149,3 +149,17 @@ def test_a_picture_shown_twice_is_traced_once(tmp_path, monkeypatch):
 def test_every_result_can_be_shown(tmp_path, result):
     _, root = trace(tmp_path, IMAGE % ("a", 0), f"--result={result}")
     assert len(list(layers(root)[0].iter("{*}path"))) >= 2
+
+
+def test_one_group_for_each_colour(tmp_path):
+    body = f'<image id="a" xlink:href="{PICTURE.parent.parent / "images" / "stegosaurus.png"}"/>'
+    _, plain = trace(tmp_path, body)
+    _, root = trace(tmp_path, body, "--group=color")
+    picture, = layers(root)[0]
+    groups = [element for element in picture if element.tag.endswith("}g")]
+    assert groups and not list(layers(plain)[0][0].iterchildren("{*}g"))
+    for group in groups:
+        assert {path.get("fill") for path in group} == {group[0].get("fill")} and len(group) > 1
+        assert all(path.get(LABEL).startswith(group.get(LABEL)) for path in group)
+    names = [sorted(path.get(LABEL) for path in layers(one)[0].iter("{*}path")) for one in (plain, root)]
+    assert names[0] == names[1]

@@ -8,7 +8,7 @@ import pytest
 inkex = pytest.importorskip("inkex")
 
 from ddtcore.inkscape import pictures
-from ddtcore.inkscape.pictures import clones, find_pictures
+from ddtcore.inkscape.pictures import cloned_ids, find_pictures, is_cloned
 
 
 def svg(body):
@@ -105,5 +105,8 @@ def test_why_there_is_nothing_to_trace(body, name, words):
 def test_clones_of_a_picture_and_of_what_holds_it():
     document = svg('<g id="g"><image id="a"/></g><use id="u" xlink:href="#a"/><use id="v" href="#g"/>'
                    '<use id="w" xlink:href="#u"/>')
-    image = find_pictures(document, ["a"])[0].image
-    assert [clone.get("id") for clone in clones(document, image)] == ["u", "v"]
+    ids = cloned_ids(document)
+    assert ids == {"a", "g", "u"}
+    cloned = {element.get("id") for element in document.iterdescendants() if is_cloned(element, ids)}
+    assert cloned == {"a", "g", "u"}
+    assert cloned_ids(svg(TWO)) == frozenset() and not is_cloned(svg(TWO)[0], frozenset())

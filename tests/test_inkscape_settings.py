@@ -10,7 +10,7 @@ import pytest
 pytest.importorskip("inkex")
 
 from ddtcore.inkscape.settings import add_arguments, changes, trace_options
-from ddtcore.options import PRESETS, TraceOptions
+from ddtcore.options import PRESETS, Automatic, TraceOptions
 
 
 def parse(*arguments):
@@ -29,8 +29,17 @@ def test_a_changed_setting_wins_over_the_preset():
     assert options == TraceOptions.preset("paper", suppression=5, colors=7)
 
 
+def test_colours_and_files_are_taken_as_palettes(tmp_path):
+    file = tmp_path / "two colours.gpl"
+    file.write_text("GIMP Palette\n0 0 0 black\n255 0 0\tred\n")
+    for text in ("#000, #f00", str(file)):
+        assert trace_options(parse("--palette", text)).palette == "#000000 #ff0000"
+    with pytest.raises(ValueError, match="palette must be a file that can be read"):
+        trace_options(parse("--palette", str(tmp_path / "none.gpl")))
+
+
 def test_the_defaults_are_those_of_the_library():
-    assert trace_options(parse()) == TraceOptions()
+    assert trace_options(parse()) == Automatic()
     assert changes(vars(parse())) == {}
 
 

@@ -3,15 +3,16 @@
 
 from __future__ import annotations
 
-from dataclasses import FrozenInstanceError, fields
+from dataclasses import FrozenInstanceError, fields, replace
 
 import pytest
 
-from ddtcore.options import PRESETS, TraceOptions
+from ddtcore.options import AUTOMATIC, PRESETS, Automatic, TraceOptions
 
 SETTINGS = {setting.name: setting for setting in fields(TraceOptions)}
 CHOICES = {name for name, setting in SETTINGS.items() if setting.metadata["choices"]}
-NUMBERS = sorted(set(SETTINGS) - CHOICES)
+TEXTS = {"palette"}
+NUMBERS = sorted(set(SETTINGS) - CHOICES - TEXTS)
 
 
 def refused(error, **changes):
@@ -58,6 +59,20 @@ def test_choices(name):
         assert SETTINGS[name].default in refused(ValueError, **{name: value})
 
 
+@pytest.mark.parametrize("value, text", [
+    ("#000 #fff #d22", "#000000 #ffffff #dd2222"), ("", ""), (["#000", (1, 2, 3)], "#000000 #010203"),
+    ((), "")])
+def test_palettes_are_kept_as_one_text(value, text):
+    options = TraceOptions(palette=value)
+    assert options.palette == text and TraceOptions(palette=text) == options
+    assert hash(options) == hash(TraceOptions(palette=text))
+
+
+@pytest.mark.parametrize("value", ["red", "#12", None, 5, "none.gpl"])
+def test_what_is_no_palette_is_refused(value):
+    refused(ValueError, palette=value)
+
+
 @pytest.mark.parametrize("name", sorted(SETTINGS))
 def test_every_setting_explains_itself(name):
     text = SETTINGS[name].metadata["help"]
@@ -72,6 +87,18 @@ def test_presets_change_what_they_say_and_give_way_to_changes(name):
     assert TraceOptions.preset(name, tolerance=1.5).tolerance == 1.5
     with pytest.raises(ValueError, match=r"^tolerance must"):
         TraceOptions.preset(name, tolerance=-1)
+
+
+def test_automatic_options_take_the_settings_of_any_preset_and_keep_what_was_given():
+    options = TraceOptions.preset(AUTOMATIC, tolerance=TraceOptions().tolerance, colors=5)
+    assert isinstance(options, Automatic) and options.colors == 5
+    for name in set(PRESETS) - {AUTOMATIC}:
+        settled = options.settled(name)
+        assert type(settled) is TraceOptions
+        assert settled == TraceOptions.preset(name, tolerance=TraceOptions().tolerance, colors=5)
+    shown = replace(options, result="border").settled("photo")
+    assert shown == replace(options.settled("photo"), result="border")
+    assert Automatic().settled("photo") == TraceOptions.preset("photo")
 
 
 def test_unknown_preset_is_named():

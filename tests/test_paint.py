@@ -103,7 +103,7 @@ def test_labels_without_ramps_have_no_gradients():
 
 
 def test_local_colours_are_those_of_the_gradient_or_of_the_palette():
-    image, labels = painted(OPAQUE)
+    _, labels = painted(OPAQUE)
     labels = replace(labels, gradients=(OPAQUE, None))
     points = np.array([[3.0, 5], [20, 5], [20, 5], [20, 5]])
     number = np.array([0, 0, 1, OUTSIDE])

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -14,17 +15,19 @@ import make_readme
 import pytest
 from PIL import Image
 
+import ddtcore
+
 ROOT = Path(__file__).resolve().parent.parent
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
 
 NOT_RUN = {
-    "make demo": "sets up a machine; .ci/demo is the same",
-    "make install": "changes the user's Inkscape; test_inkscape_program installs elsewhere",
+    "make demo": "sets up a machine; test_demo runs what it does then",
     "make test": "is what runs this",
     "sudo apt-get": "needs the network",
-    "xvfb-run": "is what test_inkscape_program does",
-    "python3 -m ddtcore --preset paper --report --out-dir": "takes half a minute",
-    ".venv/bin/python": "writes into the project",
+    "xvfb-run": "needs Inkscape: test_inkscape_runs_without_hands",
+    "python3 -m ddtcore --preset paper --report --out-dir": "takes half a minute; one row is measured below",
+    ".venv/bin/pip": "needs the network",
+    ".venv/bin/python": "writes into the project; test_compare_tracers and this file test what",
 }
 """Beginnings of commands that are shown only, and why."""
 
@@ -52,7 +55,7 @@ def copy(tmp_path):
     """A folder that looks like the project, where commands may write."""
     shutil.copytree(ROOT / "tests" / "images", tmp_path / "tests" / "images")
     shutil.copytree(ROOT / "tests" / "documents", tmp_path / "tests" / "documents")
-    for name in ("ddtcore", "ddt_trace.py"):
+    for name in ("ddtcore", "ddt_trace.py", "ddt_trace.inx", "ddt_trace.svg", "LICENSE", "README.md", ".ci"):
         (tmp_path / name).symlink_to(ROOT / name)
     python = tmp_path / "bin" / "python3"
     python.parent.mkdir()
@@ -61,11 +64,11 @@ def copy(tmp_path):
     return tmp_path
 
 
-def run(arguments, folder):
+def run(arguments, folder, **environment):
     """Run a command as a person would, and return what it printed."""
     path = os.pathsep.join([str(folder / "bin"), os.environ["PATH"]])
-    done = subprocess.run(arguments, cwd=folder, env={**os.environ, "PATH": path}, text=True,
-                          capture_output=True, timeout=60)
+    done = subprocess.run(arguments, cwd=folder, env={**os.environ, "PATH": path, **environment}, text=True,
+                          capture_output=True, timeout=120)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -81,7 +84,39 @@ def test_commands_do_something(copy, command):
     new = files(copy) - before
     assert new or printed
     for path in new:
-        assert path.suffix in (".svg", ".svgz") and path.stat().st_size > 500
+        assert path.suffix in (".svg", ".svgz", ".html") and path.stat().st_size > 500
+
+
+def test_inkscape_runs_without_hands(copy, inkscape):
+    command, = (line for block in blocks("sh") for line in block.splitlines() if line.startswith("xvfb-run"))
+    run(["bash", "-c", command.replace("inkscape ", shlex.join(inkscape.command) + " ", 1)], copy,
+        INKSCAPE_PROFILE_DIR=str(inkscape.profile), PATH=f"/usr/bin:{os.environ['PATH']}")
+    traced = (copy / "traced.svg").read_text(encoding="utf-8")
+    assert "DDT Trace" in traced and traced.count("<path") > 20
+
+
+def test_extension_is_installed_as_the_table_says(copy):
+    """The commands for Unix, with an Inkscape that only says where its folder is."""
+    rows = re.findall(r"^\| (?:Linux|macOS)[^|]*\| `([^`]+)` \|$", TEXT, flags=re.MULTILINE)
+    assert len(rows) == 4 and sum(row.startswith("make install") for row in rows) == 3
+    (copy / "bin" / "inkscape").write_text(f"#!/bin/sh\necho {copy}/profile\n")
+    for name in ("flatpak", "mac"):
+        shutil.copy(copy / "bin" / "inkscape", copy / "bin" / name)
+    for path in (copy / "bin").iterdir():
+        path.chmod(0o755)
+    shutil.copy(ROOT / "Makefile", copy)
+    for row in rows:
+        here = row.replace("/Applications/Inkscape.app/Contents/MacOS/inkscape", str(copy / "bin" / "mac"))
+        run(["bash", "-c", here], copy, HOME=str(copy / "home"))
+        folder = copy / ("home/snap/inkscape/current/.config/inkscape" if "snap" in row else "profile")
+        installed = folder / "extensions" / "ddt_trace"
+        assert {"ddt_trace.inx", "ddt_trace.py", "ddtcore"} <= {path.name for path in installed.iterdir()}
+        shutil.rmtree(installed)
+
+
+def test_changelog_names_this_version():
+    changes = TEXT[TEXT.index("## Changelog"):]
+    assert changes.index(f"- **{ddtcore.__version__}** ") < 20
 
 
 @pytest.mark.parametrize("code", blocks("python"))

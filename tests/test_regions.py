@@ -62,6 +62,14 @@ def test_flat_art_has_its_own_colours_and_no_fringe(angle):
     assert (share[~labels.thin] > 0.35).mean() > 0.995
 
 
+@pytest.mark.parametrize("place", [(30.0, 30.0), (30.4, 30.2), (30.5, 30.9)])
+def test_a_dot_of_a_pixel_or_two_stays(place):
+    yellow = (250, 205, 13, 255)
+    layers = [((13, 14, 13, 255), everywhere), (yellow, disc(*place, 0.85)), (yellow, disc(10, 10, 5))]
+    shines = (shown(label_pixels(draw(60, 60, layers), DEFAULT)) == yellow).all(axis=-1)
+    assert 1 <= shines[25:36, 25:36].sum() <= 5
+
+
 def test_few_regions():
     labels = label_pixels(draw(96, 96, CARTOON), DEFAULT)
     # page, outline, skin, two eyes of ring, white and iris, mouth, box, stroke

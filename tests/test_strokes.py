@@ -60,7 +60,8 @@ def test_a_stroke_beside_a_gap_that_stands_out_more():
     """Ridges to opposite sides do not suppress each other."""
     red, brown = (207, 52, 26, 255), (176, 114, 46, 255)
     canvas, _, _, ridges = ridges_of(draw(40, 40, [
-        (BLACK, everywhere), (brown, box(0, 20.1, 40, 21.25)), (red, box(0, 22.48, 40, 26)), (red, box(0, 10, 40, 18.27))]))
+        (BLACK, everywhere), (brown, box(0, 20.1, 40, 21.25)),
+        (red, box(0, 22.48, 40, 26)), (red, box(0, 10, 40, 18.27))]))
     rows = canvas.places(ridges.cells)[0]
     assert np.count_nonzero(rows == 20) == 40 and np.count_nonzero(rows == 21) >= 38
 
@@ -107,6 +108,32 @@ def test_no_new_colours_where_the_palette_explains_all():
     canvas, keys, labels, ridges = ridges_of(image)
     cells = canvas.cells(canvas.bare(labels) < 0)
     assert not strokes.new_colours(canvas, cells, ridges, planes(keys, True), labels, 2.0).size
+
+
+@pytest.mark.parametrize("angle", ANGLES)
+def test_a_tip_is_followed_until_it_is_faint(angle):
+    """A wedge that narrows by 0.02 px per px has a coverage of 0.1 some 5 px before its tip."""
+    def wedge(x, y):
+        along = (x - 40.3) * np.cos(angle) + (y - 40.2) * np.sin(angle)
+        across = (y - 40.2) * np.cos(angle) - (x - 40.3) * np.sin(angle)
+        return (np.abs(across) < (along + 34) * 0.01) & (along < 34)
+
+    image = draw(80, 80, [(WHITE, everywhere), (BLACK, wedge), (BLACK, disc(8, 70, 4)), (BLACK, disc(70, 8, 4))])
+    canvas, keys, labels, ridges = ridges_of(image)
+    label, share = strokes.stroke_labels(canvas, ridges, planes(keys, True), labels, 2.0)
+    row, col = canvas.places(ridges.cells[label >= 0])
+    along = (col + 0.5 - 40.3) * np.cos(angle) + (row + 0.5 - 40.2) * np.sin(angle)
+    across = (row + 0.5 - 40.2) * np.cos(angle) - (col + 0.5 - 40.3) * np.sin(angle)
+    assert along[np.abs(across) < 2].min() < -23
+    assert share[label >= 0].min() < strokes.FAINT
+
+
+def test_faint_pixels_alone_are_no_stroke():
+    image = draw(60, 60, [(WHITE, everywhere), (BLACK, stroke(30, 30, 0.5, 0.13, 20)), (BLACK, disc(8, 50, 5))])
+    canvas, keys, labels, ridges = ridges_of(image)
+    label, share = strokes.stroke_labels(canvas, ridges, planes(keys, True), labels, 2.0)
+    faint = share < strokes.FAINT
+    assert faint.sum() > 10 and (label[faint] < 0).mean() > 0.9
 
 
 def test_lone_corners():

@@ -19,6 +19,7 @@ from pictures import BLACK, BLUE, RED, WHITE, any_picture, disc, picture, rectan
 
 from ddtcore import TraceOptions, trace
 from ddtcore.model import CUBIC, LINE, QUADRATIC
+from ddtcore.pipeline import STAGES
 
 YELLOW = (250, 220, 60, 255)
 PAPER = TraceOptions.preset("paper")
@@ -118,6 +119,23 @@ def test_turning_mirroring_or_inverting_the_picture_changes_little(turn, options
     # In decibels a difference of two tiny errors looks large: compare the errors, in levels of 255.
     assert abs(levels(likeness) - levels(upright[options][0])) < 0.5
     assert abs(count - upright[options][1]) <= 0.1 * upright[options][1] + 1
+
+
+def test_progress_is_told_and_may_end_the_trace():
+    told = []
+    assert trace(SIGN, progress=lambda *what: told.append(what)).to_svg() == trace(SIGN).to_svg()
+    assert dict(told) == STAGES and [share for _, share in told] == sorted(STAGES.values())
+    assert told[0][1] == 0 and told[-1][1] < 1
+
+    def stop(stage, share):
+        if stage == "curves":
+            raise InterruptedError(stage)
+
+    with pytest.raises(InterruptedError, match="curves"):
+        trace(SIGN, progress=stop)
+    told.clear()
+    trace(SIGN, TraceOptions(result="triangles"), lambda *what: told.append(what))
+    assert [stage for stage, _ in told] == ["colours", "gradients", "triangles"]
 
 
 def test_the_same_picture_gives_the_same_drawing():

@@ -15,6 +15,7 @@ from inkex.command import CommandNotFound, ProgramRunError, inkscape
 
 from .png import read_png
 from .source import PictureError
+from .words import _
 
 BROKEN = b"no picture"
 """What Inkscape shows for this is what it shows for anything it cannot decode."""
@@ -39,7 +40,7 @@ def decode(data: bytes) -> np.ndarray:
         The bytes cannot be decoded.
     """
     if re.match(rb"(\xef\xbb\xbf)?\s*<[?!a-z]", data[:64]):
-        raise PictureError("it is a drawing already, not a bitmap")
+        raise PictureError(_("it is a drawing already, not a bitmap"))
     try:
         from ..raster import ImageError, load_image
 
@@ -68,10 +69,10 @@ def decode_with_inkscape(data: bytes) -> np.ndarray:
     try:
         picture, broken = _export([data, BROKEN])
     except (CommandNotFound, ProgramRunError, OSError, ValueError) as error:
-        raise PictureError("Pillow is missing in the Python that Inkscape uses, and Inkscape could not"
-                          " decode it either; install Pillow (Debian: python3-pil)") from error
+        raise PictureError(_("Pillow is missing in the Python that Inkscape uses, and Inkscape could not"
+                            " decode it either; install Pillow (Debian: python3-pil)")) from error
     if np.array_equal(picture, broken):
-        raise PictureError("its data are damaged or of a kind that Inkscape cannot read")
+        raise PictureError(_("its data are damaged or of a kind that Inkscape cannot read"))
     return picture
 
 

@@ -14,12 +14,11 @@ from ..options import TraceOptions
 from .decode import decode
 from .layer import add_drawing, finish_source, new_layer
 from .log import note
-from .pictures import Picture, find_pictures
+from .pictures import Picture, cloned_ids, find_pictures
 from .placement import Placement, place
 from .settings import changes, trace_options
 from .source import Folders, PictureError, read_picture
-
-KEPT = "the picture was kept, since hiding it would hide more than it"
+from .words import _
 
 Trace = Tuple[Picture, Drawing, Placement]
 
@@ -43,14 +42,18 @@ def trace_pictures(svg: inkex.SvgDocumentElement, chosen: Namespace, folders: Fo
     """
     options = trace_options(chosen)
     traces = _trace_all(find_pictures(svg, chosen.ids), options, folders)
+    cloned = cloned_ids(svg)
     layers: Dict[inkex.BaseElement, inkex.Layer] = {}
     for picture, drawing, placement in traces:
         top = picture.chain[0]
         if top not in layers:
             layers[top] = new_layer(svg, top)
-        notes = drawing.notes if finish_source(picture, chosen.source) else (*drawing.notes, KEPT)
-        add_drawing(layers[top], picture.name, _description(chosen, drawing, notes), drawing, placement)
-        note(f'"{picture.name}": {"; ".join(notes) or "traced"}')
+        notes = [_(text) for text in drawing.notes]
+        if not finish_source(picture, chosen.source, cloned):
+            notes.append(_("the picture was kept, since hiding it would hide more than it"))
+        add_drawing(layers[top], picture.name, _description(chosen, drawing, notes), drawing, placement,
+                    by_colour=options.group == "color")
+        note(f'"{picture.name}": {"; ".join(notes) or _("traced")}')
 
 
 def _trace_all(pictures: List[Picture], options: TraceOptions, folders: Folders) -> List[Trace]:
@@ -64,13 +67,15 @@ def _trace_all(pictures: List[Picture], options: TraceOptions, folders: Folders)
             drawing = drawings[data]
             result.append((picture, drawing, place(picture.chain, drawing.width, drawing.height)))
         except PictureError as error:
-            raise inkex.AbortExtension(f'The picture "{picture.name}" cannot be traced: {error}.') from error
+            text = _('The picture "{name}" cannot be traced: {reason}.')
+            raise inkex.AbortExtension(text.format(name=picture.name, reason=error)) from error
     return result
 
 
-def _description(chosen: Namespace, drawing: Drawing, notes: Tuple[str, ...]) -> str:
+def _description(chosen: Namespace, drawing: Drawing, notes: List[str]) -> str:
     settings = ", ".join(f"{name}={value}" for name, value in
                          [("preset", chosen.preset), *changes(vars(chosen)).items()])
     size = f"{drawing.width} x {drawing.height} px"
-    return "\n".join([f"DDT Trace {__version__}", f"Picture: {size}", f"Settings: {settings}",
-                      *(f"Note: {text}" for text in notes)])
+    return "\n".join([f"DDT Trace {__version__}", _("Picture: {size}").format(size=size),
+                      _("Settings: {settings}").format(settings=settings),
+                      *(_("Note: {text}").format(text=text) for text in notes)])

@@ -14,8 +14,8 @@ import inkex
 from inkex.utils import ABORT_STATUS
 
 from .log import note
+from .words import _
 
-NO_MEMORY = "There is not enough memory to trace a picture of this size."
 
 @contextmanager
 def plain_messages() -> Iterator[None]:
@@ -28,15 +28,16 @@ def plain_messages() -> Iterator[None]:
         with _quiet_libraries():
             yield
     except (inkex.AbortExtension, MemoryError) as error:
-        message = NO_MEMORY if isinstance(error, MemoryError) else str(error)
+        no_memory = _("There is not enough memory to trace a picture of this size.")
+        message = no_memory if isinstance(error, MemoryError) else str(error)
         if note(message):
             sys.exit(ABORT_STATUS)
         raise inkex.AbortExtension(message) from error
     except Exception:  # anything else is a fault of this program
         details = traceback.format_exc()
         if not note(details):
-            inkex.errormsg("DDT Trace has met an unforeseen fault; please report it with the file"
-                           f" {_log_file(details)}.")
+            inkex.errormsg(_("DDT Trace has met an unforeseen fault; please report it with the file"
+                             " {path}.").format(path=_log_file(details)))
         sys.exit(1)
 
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import itertools
 import re
-from typing import Dict
+from typing import Dict, FrozenSet
 
 import inkex
 
 from ..model import Drawing
 from ..svg import group
-from .pictures import Picture, clones
+from .pictures import Picture, is_cloned
 from .placement import Box, Frame, Placement, own_style
 
 LABEL = "DDT Trace"
@@ -46,7 +46,7 @@ def new_layer(svg: inkex.SvgDocumentElement, top: inkex.BaseElement) -> inkex.La
 
 
 def add_drawing(layer: inkex.Layer, name: str, description: str, drawing: Drawing,
-                placement: Placement) -> None:
+                placement: Placement, by_colour: bool = False) -> None:
     """Add a drawing to a layer, where its picture lies.
 
     Parameters
@@ -58,9 +58,12 @@ def add_drawing(layer: inkex.Layer, name: str, description: str, drawing: Drawin
         Text for the description of the group.
     drawing : Drawing
     placement : Placement
+    by_colour : bool
+        Put shapes of one colour that follow each other into a group of their own.
     """
-    ids = _free_name("ddt-trace-gradient", layer.root)
-    content = inkex.load_svg(group(drawing, names=True, ids=ids)).getroot()
+    gradients = any(shape.gradient for shape in drawing.shapes)
+    ids = _free_name("ddt-trace-gradient", layer.root) if gradients else ""
+    content = inkex.load_svg(group(drawing, names=True, ids=ids, runs=by_colour)).getroot()
     content.set("transform", str(placement.transform))
     if _has_style_sheets(layer.root):
         _paint_by_style(content)
@@ -72,13 +75,15 @@ def add_drawing(layer: inkex.Layer, name: str, description: str, drawing: Drawin
     groups[0].desc = description
 
 
-def finish_source(picture: Picture, fate: str) -> bool:
+def finish_source(picture: Picture, fate: str, cloned: FrozenSet[str]) -> bool:
     """Keep, hide or remove a picture that was traced.
 
     Parameters
     ----------
     picture : Picture
     fate : {'keep', 'hide', 'remove'}
+    cloned : frozenset of str
+        From `pictures.cloned_ids`.
 
     Returns
     -------
@@ -89,7 +94,7 @@ def finish_source(picture: Picture, fate: str) -> bool:
     if fate == "keep" or shown.getparent() is None:
         return True
     below = picture.chain[picture.chain.index(shown):-1]
-    if not all(isinstance(element, inkex.Use) for element in below) or clones(shown.root, shown):
+    if not all(isinstance(element, inkex.Use) for element in below) or is_cloned(shown, cloned):
         return False
     if fate == "remove":
         shown.delete()

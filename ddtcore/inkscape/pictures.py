@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Dict, Iterator, List, Sequence, Tuple
+from typing import Dict, FrozenSet, Iterator, List, Sequence, Tuple
 
 import inkex
 
 from .source import href
+from .words import _
 
 Chain = Tuple[inkex.BaseElement, ...]
 Elements = Dict[str, inkex.BaseElement]
@@ -82,7 +83,8 @@ def find_pictures(svg: inkex.SvgDocumentElement, ids: Sequence[str]) -> List[Pic
         return [_only_picture(svg, elements)]
     missing = [name for name in ids if name not in elements]
     if missing:
-        raise inkex.AbortExtension(f'There is no object with the id "{missing[0]}" in the document.')
+        raise inkex.AbortExtension(
+            _('There is no object with the id "{id}" in the document.').format(id=missing[0]))
     chosen = [elements[name] for name in ids]
     found = {chain: None for element in chosen for chain in _shown_in(_ancestry(element), elements)}
     if not found:
@@ -91,20 +93,30 @@ def find_pictures(svg: inkex.SvgDocumentElement, ids: Sequence[str]) -> List[Pic
     return sorted(map(Picture, found), key=lambda picture: [order[element] for element in picture.chain])
 
 
-def clones(svg: inkex.SvgDocumentElement, element: inkex.BaseElement) -> List[inkex.BaseElement]:
-    """The elements that show `element` or one of its ancestors a second time.
+def cloned_ids(svg: inkex.SvgDocumentElement) -> FrozenSet[str]:
+    """The ids of elements that clones show a second time.
 
     Parameters
     ----------
     svg : SvgDocumentElement
-    element : BaseElement
 
     Returns
     -------
-    list of BaseElement
+    frozenset of str
     """
-    names = {"#" + name for name in (e.get("id") for e in (element, *element.iterancestors())) if name}
-    return [use for use in svg.iter() if isinstance(use, inkex.Use) and href(use) in names]
+    return frozenset(href(use)[1:] for use in svg.iter() if isinstance(use, inkex.Use))
+
+
+def is_cloned(element: inkex.BaseElement, ids: FrozenSet[str]) -> bool:
+    """Whether a clone shows an element, or what holds it, a second time.
+
+    Parameters
+    ----------
+    element : BaseElement
+    ids : frozenset of str
+        From `cloned_ids`.
+    """
+    return any(one.get("id") in ids for one in (element, *element.iterancestors()) if one.get("id"))
 
 
 def _by_id(svg: inkex.SvgDocumentElement) -> Elements:
@@ -125,7 +137,7 @@ def _shown_in(start: Chain, elements: Elements) -> Iterator[Chain]:
         chain = stack.pop()
         element, steps = chain[-1], steps + 1
         if steps > MOST_STEPS:
-            raise inkex.AbortExtension("The selection holds too many clones; select fewer objects.")
+            raise inkex.AbortExtension(_("The selection holds too many clones; select fewer objects."))
         if isinstance(element, inkex.Image):
             yield chain
         elif isinstance(element, inkex.Use):
@@ -149,25 +161,27 @@ def _only_picture(svg: inkex.SvgDocumentElement, elements: Elements) -> Picture:
     if len(originals or found) == 1:
         return (originals or found)[0]
     if not found:
-        raise inkex.AbortExtension("The document shows no picture that could be traced.")
-    raise inkex.AbortExtension(
-        f"Nothing is selected, and the document shows {len(found)} pictures; select those to be traced.")
+        raise inkex.AbortExtension(_("The document shows no picture that could be traced."))
+    raise inkex.AbortExtension(_("Nothing is selected, and the document shows {count} pictures; select those to"
+                                 " be traced.").format(count=len(found)))
 
 
 def _why_none(chosen: Sequence[inkex.BaseElement], elements: Elements) -> str:
     for element in chosen:
         if any(step.TAG in DEFINITIONS for step in _ancestry(element)):
-            return f'"{name_of(element)}" is part of a definition and not shown itself; select a clone of it.'
+            return _('"{name}" is part of a definition and not shown itself; select a clone'
+                     " of it.").format(name=name_of(element))
         if _filled_with_picture(element, elements):
-            return (f'"{name_of(element)}" is filled with a picture as a pattern; choose Object > Pattern >'
-                    " Pattern to Objects first, then select the picture.")
-    return f'"{name_of(chosen[0])}" is not a picture and holds none; select one or more pictures.'
+            return _('"{name}" is filled with a picture as a pattern; choose Object > Pattern > Pattern to'
+                     " Objects first, then select the picture.").format(name=name_of(element))
+    return _('"{name}" is not a picture and holds none; select one or more pictures.').format(
+        name=name_of(chosen[0]))
 
 
 def _filled_with_picture(element: inkex.BaseElement, elements: Elements) -> bool:
     fill = element.style.get("fill", element.get("fill")) or ""
     pattern = elements.get(fill[5:].partition(")")[0].strip("\"'")) if fill.startswith("url(#") else None
-    for _ in range(len(elements)):  # patterns that refer to patterns, perhaps in a circle
+    for _step in range(len(elements)):  # patterns that refer to patterns, perhaps in a circle
         if pattern is None or pattern.TAG != "pattern":
             return False
         if any(isinstance(child, inkex.Image) for child in pattern.iter()):

@@ -18,6 +18,7 @@ from inkex.units import CONVERSIONS, parse_unit
 
 from .pictures import Chain
 from .source import PictureError
+from .words import _
 
 EFFECTS = {"clip-path": "none", "mask": "none", "filter": "none", "opacity": "1", "mix-blend-mode": "normal"}
 """Properties that change how an element and all it holds look, with their initial values."""
@@ -127,7 +128,7 @@ def _check_visible(placement: Placement) -> None:
     for transform in (placement.transform, *(frame.transform for frame in placement.frames)):
         determinant = transform.a * transform.d - transform.b * transform.c
         if not (determinant and all(map(math.isfinite, (*transform.to_hexad(), determinant)))):
-            raise PictureError("its transform leaves nothing of it to be seen")
+            raise PictureError(_("its transform leaves nothing of it to be seen"))
 
 
 def fit(box: Box, content: Box, aspect_ratio: Optional[str]) -> Tuple[inkex.Transform, bool]:
@@ -152,7 +153,7 @@ def fit(box: Box, content: Box, aspect_ratio: Optional[str]) -> Tuple[inkex.Tran
         One of them has no area.
     """
     if min(box.width, box.height, content.width, content.height) <= 0:
-        raise PictureError("it is shown without a width or a height")
+        raise PictureError(_("it is shown without a width or a height"))
     across, down = box.width / content.width, box.height / content.height
     x = y = "Mid"
     cut = False

@@ -18,6 +18,8 @@ from urllib.parse import unquote_to_bytes
 
 import inkex
 
+from .words import _
+
 HREF = ("href", "xlink:href")
 """Attributes that say where a picture is, the stronger one (by SVG 2, and in Inkscape 1.4) first."""
 
@@ -80,7 +82,7 @@ def read_picture(image: inkex.Image, folders: Folders) -> bytes:
     """
     reference = href(image)
     if not reference:
-        raise PictureError("it has no content")
+        raise PictureError(_("it has no content"))
     if reference[:5].lower() == "data:":
         return data_bytes(reference)
     path = find_file(reference, folders) or find_file(image.get(ABSREF) or "", ())
@@ -90,7 +92,8 @@ def read_picture(image: inkex.Image, folders: Folders) -> bytes:
         with open(path, "rb") as file:
             return file.read()
     except OSError as error:
-        raise PictureError(f'its file "{path}" cannot be read ({error.strerror})') from error
+        message = _('its file "{path}" cannot be read ({reason})')
+        raise PictureError(message.format(path=path, reason=error.strerror)) from error
 
 
 def data_bytes(uri: str) -> bytes:
@@ -121,7 +124,7 @@ def data_bytes(uri: str) -> bytes:
         except binascii.Error:
             data = b""
     if not (comma and data):
-        raise PictureError("the data embedded in the document are empty or damaged")
+        raise PictureError(_("the data embedded in the document are empty or damaged"))
     return data
 
 
@@ -185,5 +188,7 @@ def _scheme(reference: str) -> str:
 def _missing(reference: str) -> str:
     shown = reference if len(reference) <= 200 else reference[:200] + "…"
     if _is_remote(reference):
-        return f'it is linked to "{shown}", and pictures are not fetched from a network; embed it first'
-    return f'it is linked to "{shown}", and there is no such file'
+        text = _('it is linked to "{link}", and pictures are not fetched from a network; embed it first')
+    else:
+        text = _('it is linked to "{link}", and there is no such file')
+    return text.format(link=shown)

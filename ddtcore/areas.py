@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A limited number of connected areas: what stands out least is merged first.
+
+Neighbouring areas are merged in the order of what that adds to the squared error, for
+each pixel of border that it removes (Koepfler, Lopez and Morel, "A multiscale algorithm
+for image segmentation by variational method", SIAM Journal on Numerical Analysis 31,
+1994).  So small areas of low contrast go first, and long borders hold only where they
+are strong.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Tuple
+
+import numpy as np
+
+from .canvas import Canvas, mean_colours, planes, premultiply
+from .components import components, label_components
+from .merging import drop_unused
+from .model import Labels
+
+EVEN = 10.0
+"""Largest range of a channel in a square that is taken as one from the start, levels."""
+
+SQUARES = 4, 2
+"""Sides of these squares, px."""
+
+EAGER = 0.25
+"""Share of the areas' cheapest borders that are removed in a round; more is quicker, less is more exact."""
+
+
+class _Areas(NamedTuple):
+    """Areas and the borders between them.
+
+    Attributes
+    ----------
+    size : ndarray of shape (R,)
+        Pixels.
+    total : ndarray of shape (C, R)
+        Sums of their premultiplied colours.
+    one, other : ndarray of shape (E,) and dtype int64
+        Areas on both sides of each border; one < other.
+    length : ndarray of shape (E,)
+        Pixel edges.
+    """
+
+    size: np.ndarray
+    total: np.ndarray
+    one: np.ndarray
+    other: np.ndarray
+    length: np.ndarray
+
+    def costs(self) -> np.ndarray:
+        """What it costs to remove each border, float32 (E,)."""
+        mean = self.total / self.size
+        square = ((mean[:, self.one] - mean[:, self.other]) ** 2).sum(axis=0)
+        a, b = self.size[self.one], self.size[self.other]
+        return (square * (a * b / (a + b)) / self.length).astype(np.float32)
+
+
+def label_areas(canvas: Canvas, most: int) -> Labels:
+    """One label for each of at most `most` areas, with its mean colour.
+
+    Parameters
+    ----------
+    canvas : Canvas
+    most : int
+        0 for as few as `posterise.MOST_REGIONS` allows.
+
+    Returns
+    -------
+    Labels
+    """
+    colour = planes(canvas.bare(canvas.keys), canvas.opaque)
+    index = _squares(colour)
+    count = int(index.max()) + 1
+    size = np.bincount(index.ravel(), minlength=count).astype(np.float64)
+    total = np.stack([np.bincount(index.ravel(), plane.ravel(), count) for plane in colour])
+    index = _merged(_Areas(size, total, *_borders(index)), most)[index]
+    return Labels(index, mean_colours(canvas, index), np.zeros(index.shape, bool))
+
+
+def limit_areas(labels: Labels, most: int) -> Labels:
+    """Merge connected areas until `most` are left; each takes the colour of its largest part."""
+    area = label_components(labels.index, 8)
+    size = np.bincount(area.ravel()).astype(np.float64)
+    if size.size <= most:
+        return labels
+    label = np.zeros(size.size, np.int32)
+    label[area.ravel()] = labels.index.ravel()
+    total = premultiply(labels.palette).T[:, label] * size
+    group = _merged(_Areas(size, total, *_borders(area)), most)
+    order = np.argsort(size, kind="stable")
+    largest = np.zeros(int(group.max()) + 1, np.int32)
+    largest[group[order]] = label[order]
+    index = largest[group][area]
+    return drop_unused(Labels(index, labels.palette, labels.thin & (index == labels.index), labels.ramp))
+
+
+def _squares(colour: np.ndarray) -> np.ndarray:
+    """Number the largest even squares, and all other pixels, int64 (H, W)."""
+    height, width = colour.shape[1:]
+    row, col = np.mgrid[0:height, 0:width]
+    number = row * width + col
+    free = np.ones((height, width), bool)
+    for side in SQUARES:
+        rows, cols = height // side, width // side
+        part = colour[:, :rows * side, :cols * side].reshape(len(colour), rows, side, cols, side)
+        span = part.max(axis=(2, 4)) - part.min(axis=(2, 4))
+        even = np.repeat(np.repeat((span <= EVEN).all(axis=0), side, axis=0), side, axis=1)
+        even &= free[:rows * side, :cols * side]
+        inside = number[:rows * side, :cols * side]
+        first = (row // side * side * width + col // side * side)[:rows * side, :cols * side]
+        inside[even] = first[even]
+        free[:rows * side, :cols * side] &= ~even
+    head = number == row * width + col
+    return (np.cumsum(head.ravel()) - 1)[number]
+
+
+def _borders(index: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Areas on both sides of each border between two of them, and its length."""
+    pairs = []
+    for a, b in ((index[:, 1:], index[:, :-1]), (index[1:], index[:-1])):
+        differ = a != b
+        pairs.append((a[differ], b[differ]))
+    a, b = (np.concatenate(side).astype(np.int64) for side in zip(*pairs))
+    return _united(a, b, np.ones(len(a)), int(index.max()) + 1)
+
+
+def _united(a: np.ndarray, b: np.ndarray, length: np.ndarray,
+            count: int) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """One border for all that lie between the same two areas."""
+    key = np.minimum(a, b) * count + np.maximum(a, b)
+    order = np.argsort(key, kind="stable")
+    key = key[order]
+    first = np.flatnonzero(np.append(True, key[1:] != key[:-1])[:len(key)])
+    sums = np.add.reduceat(length[order], first) if len(first) else length
+    one, other = np.divmod(key[first], count)
+    return one, other, sums
+
+
+def _merged(areas: _Areas, most: int) -> np.ndarray:
+    """Group number of each area, int32 (R,), of at most `most` groups, numbered without gaps."""
+    group = np.arange(len(areas.size))
+    most = max(1, most)
+    while len(areas.size) > most and len(areas.one):
+        chosen = _cheapest(areas, len(areas.size) - most)
+        number = components(len(areas.size), areas.one[chosen], areas.other[chosen]).astype(np.int64)
+        areas = _joined(areas, number)
+        group = number[group]
+    return group.astype(np.int32)
+
+
+def _cheapest(areas: _Areas, wanted: int) -> np.ndarray:
+    """The cheapest of the borders that are the cheapest one of an area; they close no circles."""
+    cost = areas.costs()
+    order = np.argsort(-cost, kind="stable")
+    rank = np.empty(len(order), np.int64)
+    rank[order] = np.arange(len(order))
+    best = np.full((2, len(areas.size)), -1)
+    # The last one written, the cheapest, is what stays.
+    best[0, areas.one[order]] = rank[order]
+    best[1, areas.other[order]] = rank[order]
+    cheapest = np.unique(best.max(axis=0))[::-1]
+    cheapest = cheapest[cheapest >= 0]
+    return order[cheapest[:max(1, min(wanted, int(np.ceil(EAGER * len(cheapest)))))]]
+
+
+def _joined(areas: _Areas, number: np.ndarray) -> _Areas:
+    """The areas with those of one number joined."""
+    count = int(number.max()) + 1
+    size = np.bincount(number, areas.size, count)
+    total = np.stack([np.bincount(number, plane, count) for plane in areas.total])
+    one, other = number[areas.one], number[areas.other]
+    apart = one != other
+    return _Areas(size, total, *_united(one[apart], other[apart], areas.length[apart], count))

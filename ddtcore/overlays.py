@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Strokes and shades drawn on soft ramps, too narrow to be ramps or plateaus of their own.
+
+On a ramp nothing is flat, so a stroke is what differs from the ramp's own colour there.
+A pixel that no mix of the surfaces around it explains belongs to something drawn;
+connected pixels that differ in the same direction are one thing.
+"""
+
+from __future__ import annotations
+
+from typing import List
+
+import numpy as np
+
+from .canvas import Canvas, planes
+from .components import label_components
+from .mixes import length, segment_distance
+from .sides import SLOTS, near_samples
+from .surfaces import Surface
+
+LEAST = 10.0
+"""Smallest distance of a drawn pixel from all mixes of what surrounds it, levels."""
+
+AREA = 8
+"""Smallest drawn thing, px²."""
+
+MANY = 256
+"""Most ramps and things drawn on them."""
+
+WIDE = 64
+"""A plateau colour with fewer pixels than this may be a piece of something drawn, px²."""
+
+OWN = 0.7
+"""Drawn with a flat colour of the picture is what holds at least this share of it."""
+
+_PLAIN = 0.25
+
+
+def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: np.ndarray,
+              labels: np.ndarray) -> int:
+    """Number the things drawn on ramps like further ramps, in place.
+
+    Parameters
+    ----------
+    ramps : ndarray of shape (H, W) and dtype int32
+        Number of the ramp of each pixel, -1 where there is none.
+    surfaces : list of Surface
+        The colours of each ramp.
+    keys : ndarray of shape (K,) and dtype uint32
+        Colours of large plateaus, packed.
+    labels : ndarray of shape (P,) and dtype int32
+        Which of them each pixel has, with the rim, else negative.
+
+    Returns
+    -------
+    int
+        How many ramps and drawn things there are.
+    """
+    count = len(surfaces)
+    known = canvas.rimmed(ramps, -1)
+    plain = (labels >= 0) & (known < 0)
+    known[plain] = labels[plain] + count
+    cells = canvas.cells(canvas.bare(known) < 0)
+    samples, _ = near_samples(known, cells, canvas.stride)
+    beside = (samples >= 0) & (known[samples] < count)
+    some = beside.any(axis=0)
+    cells, samples = cells[some], samples[:, some]
+    if not cells.size:
+        return count
+    sides = _side_colours(canvas, known, cells, samples, surfaces)
+    here = canvas.colours(cells)
+    base = sides[:, beside[:, some].argmax(axis=0), np.arange(cells.size)]
+    drawn = np.flatnonzero(_unexplained(here, sides, samples) > LEAST)
+    cells, here, base = cells[drawn], here[:, drawn], base[:, drawn]
+    area = _areas(canvas, cells, here - base)
+    size = np.bincount(area)
+    chosen = np.flatnonzero((size >= AREA) & ~_flat(area, here, base, planes(keys, canvas.opaque)))
+    chosen = chosen[np.argsort(-size[chosen], kind="stable")[:max(MANY - count, 0)]]
+    number = np.full(size.size, -1, np.int32)
+    number[chosen] = np.arange(count, count + chosen.size)
+    row, col = canvas.places(cells)
+    ramps[row, col] = number[area]
+    return count + chosen.size
+
+
+def _side_colours(canvas: Canvas, known: np.ndarray, cells: np.ndarray, samples: np.ndarray,
+                  surfaces: List[Surface]) -> np.ndarray:
+    """The colours (C, SLOTS, N) that the surfaces around each pixel have, or would have, there."""
+    sides = canvas.colours(samples)
+    row, col = canvas.places(cells)
+    points = np.stack([col, row], axis=1) + 0.5
+    number = np.where(samples >= 0, known[samples], -1)
+    order = np.argsort(number.ravel(), kind="stable")
+    values, first = np.unique(number.ravel()[order], return_index=True)
+    for value, part in zip(values.tolist(), np.split(order, first[1:])):
+        if 0 <= value < len(surfaces):
+            slot, place = np.divmod(part, cells.size)
+            sides[:, slot, place] = surfaces[value].colours(points[place]).T
+    return sides
+
+
+def _unexplained(here: np.ndarray, sides: np.ndarray, samples: np.ndarray) -> np.ndarray:
+    """Distance of each colour (C, N) from all mixes of two of its sides."""
+    nearest = np.full(here.shape[1], np.inf, np.float32)
+    for i in range(SLOTS):
+        for j in range(i, SLOTS):
+            both = np.flatnonzero((samples[i] >= 0) & (samples[j] >= 0))
+            distance, _ = segment_distance(here[:, both], sides[:, i, both], sides[:, j, both])
+            nearest[both] = np.minimum(nearest[both], distance)
+    return nearest
+
+
+def _areas(canvas: Canvas, cells: np.ndarray, off: np.ndarray) -> np.ndarray:
+    """Numbers of connected pixels that are all lighter, or all darker, than the ramp."""
+    side = np.zeros(canvas.shape, np.int8)
+    row, col = canvas.places(cells)
+    side[row, col] = np.where(off.sum(axis=0) > 0, 1, 2)
+    _, number = np.unique(label_components(side, 8)[row, col], return_inverse=True)
+    return number
+
+
+def _flat(area: np.ndarray, here: np.ndarray, base: np.ndarray, colours: np.ndarray) -> np.ndarray:
+    """Which drawn areas have a flat colour of the picture, or nearly, where they stand out most."""
+    height = length(here - base)
+    total = np.bincount(area)
+    strong = height >= (np.bincount(area, height) / total)[area]
+    count = np.maximum(np.bincount(area, strong, total.size), 1)
+    flat = np.zeros(total.size, bool)
+    for colour in colours.T:
+        distance, share = segment_distance(here, base, np.broadcast_to(colour[:, None], here.shape))
+        held = strong & (distance < _PLAIN * height) & (share >= OWN)
+        flat |= np.bincount(area, held, total.size) >= 0.5 * count
+    return flat

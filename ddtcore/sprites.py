@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Pixel art: every pixel counts, and enlarged pixels are pixels.
+
+An enlarged sprite is reduced to its own size first.  Each colour is a label.  Where two
+colours cross like a chessboard, the one that is rarer there stays connected, as the
+figure on a ground (Kopf and Lischinski, "Depixelizing pixel art", SIGGRAPH 2011).
+"""
+
+from __future__ import annotations
+
+from math import gcd
+
+import numpy as np
+
+from .canvas import Canvas, unpack
+from .model import Labels
+
+AROUND = 3
+"""How far round a crossing the pixels of its two colours are counted, px."""
+
+
+def block_size(image: np.ndarray) -> int:
+    """The size of the squares that a picture consists of, px; 1 if there are none.
+
+    Parameters
+    ----------
+    image : ndarray of shape (H, W, 4) and dtype uint8
+
+    Returns
+    -------
+    int
+        The largest number that divides both sides and all places where the colour changes.
+    """
+    key = packed(image)
+    size = gcd(*key.shape)
+    # A few rows and columns tell most pictures that are not made of squares.
+    for step in (max(1, min(key.shape) // 16), 1):
+        for lines in (key[::step], key.T[::step]):
+            if size > 1:
+                for place in np.flatnonzero((lines[:, 1:] != lines[:, :-1]).any(axis=0)).tolist():
+                    size = gcd(size, place + 1)
+    return size if size < min(key.shape) else 1
+
+
+def packed(image: np.ndarray) -> np.ndarray:
+    """Each pixel in one number, uint32 (H, W); 0 for all that are transparent."""
+    key = np.ascontiguousarray(image).view(np.uint32)[..., 0]
+    return np.where(image[..., 3] > 0, key, np.uint32(0))
+
+
+def reduced(image: np.ndarray, size: int) -> np.ndarray:
+    """One pixel for each square of a size, (H // size, W // size, 4)."""
+    return np.ascontiguousarray(image[::size, ::size])
+
+
+def label_sprite(canvas: Canvas) -> Labels:
+    """One label for each colour; what is to stay connected at crossings counts as thin."""
+    own, index = np.unique(canvas.bare(canvas.keys), return_inverse=True)
+    index = np.ascontiguousarray(index.reshape(canvas.shape), np.int32)
+    return Labels(index, unpack(own).astype(np.float64), figures_at_crossings(index))
+
+
+def figures_at_crossings(index: np.ndarray) -> np.ndarray:
+    """Pixels of the rarer colour where two colours cross, bool (H, W)."""
+    figure = np.zeros(index.shape, bool)
+    a, b, c, d = index[:-1, :-1], index[:-1, 1:], index[1:, :-1], index[1:, 1:]
+    row, col = np.nonzero((a == d) & (b == c) & (a != b))
+    if not row.size:
+        return figure
+    reach = np.arange(1 - AROUND, AROUND + 1)
+    rows = np.clip(row[:, None] + reach, 0, index.shape[0] - 1)
+    cols = np.clip(col[:, None] + reach, 0, index.shape[1] - 1)
+    around = index[rows[:, :, None], cols[:, None, :]]
+    falling, rising = a[row, col], b[row, col]
+    fewer = (around == falling[:, None, None]).sum(axis=(1, 2)) - (around == rising[:, None, None]).sum(axis=(1, 2))
+    for chosen, side in ((fewer < 0, 0), (fewer > 0, 1)):
+        figure[row[chosen], col[chosen] + side] = True
+        figure[row[chosen] + 1, col[chosen] + 1 - side] = True
+    return figure

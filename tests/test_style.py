@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The source itself: types by mypy, strictly, and style by ruff."""
+
+from __future__ import annotations
+
+import importlib.util
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+@pytest.mark.parametrize("arguments", [["mypy"], ["ruff", "check", "--quiet", "."]], ids=["mypy", "ruff"])
+def test_the_source_is_judged_clean(arguments):
+    if importlib.util.find_spec(arguments[0]) is None:
+        pytest.skip(f"{arguments[0]} is not for this version of Python")
+    done = subprocess.run([sys.executable, "-m", *arguments], cwd=ROOT, text=True,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    assert done.returncode == 0, done.stdout
