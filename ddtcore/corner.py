@@ -13,6 +13,7 @@ from typing import List, NamedTuple, Tuple
 
 import numpy as np
 
+from .arclength import Arclength
 from .model import PlanarMap, Polylines
 
 STEP = 0.5
@@ -45,46 +46,6 @@ class Corners(NamedTuple):
     point: np.ndarray
 
 
-class Arclength:
-    """Arcs as functions of the distance walked along them.
-
-    Attributes
-    ----------
-    at_point : ndarray of shape (N,)
-        Distance of each point of the polylines from the beginning of its arc, px.
-    total : ndarray of shape (A,)
-        Length of each arc, px.
-    """
-
-    def __init__(self, lines: Polylines, ring: np.ndarray) -> None:
-        count = np.diff(lines.starts)
-        arc = np.repeat(np.arange(len(count)), count + ring)
-        starts = np.concatenate([[0], np.cumsum(count + ring)])
-        index = np.arange(starts[-1]) - np.repeat(starts[:-1] - lines.starts[:-1], count + ring)
-        closing = starts[1:][ring] - 1
-        index[closing] = lines.starts[:-1][ring]
-        points = lines.points[index]
-        piece = np.zeros(len(points))
-        piece[1:] = np.hypot(*np.diff(points, axis=0).T)
-        # A gap between arcs keeps the whole table rising.
-        piece[starts[:-1]] = 1.0
-        self._table = np.cumsum(piece)
-        self._points = points
-        self._base = self._table[starts[:-1]]
-        self._ring = ring
-        self.total = self._table[starts[1:] - 1] - self._base
-        own = np.ones(len(points), bool)
-        own[closing] = False
-        self.at_point = (self._table - self._base[arc])[own]
-
-    def at(self, arc: np.ndarray, length: np.ndarray) -> np.ndarray:
-        """Points at a distance from the beginning of arcs; rings wrap, open arcs end."""
-        total = self.total[arc]
-        inside = np.where(self._ring[arc], np.mod(length, np.maximum(total, 1e-9)), np.clip(length, 0, total))
-        query = self._base[arc] + inside
-        return np.stack([np.interp(query, self._table, self._points[:, k]) for k in (0, 1)], axis=-1)
-
-
 def find_corners(planar: PlanarMap, lines: Polylines, along: Arclength, corner_angle: float) -> Corners:
     """Find the corners of all arcs.
 
@@ -103,8 +64,10 @@ def find_corners(planar: PlanarMap, lines: Polylines, along: Arclength, corner_a
     """
     arc, length = _samples(along, np.flatnonzero((planar.left != 0) & ~lines.corners()))
     ring = planar.rings
-    coarse = _turn(along, arc, length, skip=1.3, arm=4.0)
-    fine = _turn(along, arc, length, skip=0.4, arm=1.2, curved=False)
+    coarse, bent = _bends(along.at(arc, length), arc, ring)
+    fine = np.zeros(len(arc))
+    coarse[bent] = _turn(along, arc[bent], length[bent], skip=1.3, arm=4.0)
+    fine[bent] = _turn(along, arc[bent], length[bent], skip=0.4, arm=1.2, curved=False)
     # Rings begin where they are straightest, so that no corner is cut in two.
     order = _straightest_first(arc, length, np.maximum(coarse, fine), ring[arc])
     coarse, fine, length = coarse[order], fine[order], length[order]
@@ -149,6 +112,27 @@ def _straightest_first(arc: np.ndarray, length: np.ndarray, turn: np.ndarray, ri
     count = np.searchsorted(arc, arc, side="right") - head
     shift = np.where(ring, least - head, 0)
     return head + (np.arange(len(arc)) - head + shift) % np.maximum(count, 1)
+
+
+def _bends(points: np.ndarray, arc: np.ndarray, ring: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """A rough turn at each sample, and the samples near which it is large: there may be corners."""
+    head = _heads(arc)
+    count = np.searchsorted(arc, arc, side="right") - head
+    offset = np.arange(len(arc)) - head
+    place = points[:, 0] + 1j * points[:, 1]
+
+    def turn(k: int) -> np.ndarray:
+        before, after = (np.where(ring[arc], (offset + d) % np.maximum(count, 1), np.clip(offset + d, 0, count - 1))
+                         for d in (-k, k))
+        return np.abs(np.angle((place[head + after] - place) * (place - place[head + before]).conj()))
+
+    rough = turn(6)
+    bent = (rough > 0.2) | (turn(2) > 0.4)
+    near = bent.copy()
+    for k in range(1, 9):
+        near[k:] |= bent[:-k]
+        near[:-k] |= bent[k:]
+    return rough, np.flatnonzero(near)
 
 
 def _turn(along: Arclength, arc: np.ndarray, length: np.ndarray, skip: float, arm: float,

@@ -13,7 +13,8 @@ from typing import Tuple
 import numpy as np
 
 from . import bezier
-from .corner import Arclength, find_corners
+from .arclength import Arclength
+from .corner import find_corners
 from .cubic import Ends, Fit, Track
 from .model import CUBIC, LINE, Curves, Labels, PlanarMap, Polylines
 from .options import TraceOptions
@@ -45,7 +46,8 @@ def fit_arcs(image: np.ndarray, labels: Labels, planar: PlanarMap, lines: Polyli
     image : ndarray of shape (H, W, 4) and dtype uint8
     labels, planar, lines
     options : TraceOptions
-        `curves` chooses the method; `result` may ask for the outlines as they are.
+        `curves` chooses the method; `result` may ask for the outlines as they are.  With the
+        regions `areas` curves aren't polished: pixels of photographs are no mixes of two colours.
 
     Returns
     -------
@@ -67,10 +69,11 @@ def fit_arcs(image: np.ndarray, labels: Labels, planar: PlanarMap, lines: Polyli
     held = (runs.places == 0) | (runs.places == np.asarray(size))
     inner = planar.left != 0
     target = Target.of(image, step[inner], along.total[inner].sum())
-    wire = polish(wire_up(runs, segments, held, step), target, 2)
+    mixed = options.regions != "areas"
+    wire = polish(wire_up(runs, segments, held, step), target, 2 if mixed else 0)
     # Polished curves are free of the points' noise: what they agree on can be merged closer.
     runs, segments = simplify(wire, runs, segments, MERGE_SHARE * tolerance)
-    wire = polish(wire_up(runs, segments, held, step), target, 3)
+    wire = polish(wire_up(runs, segments, held, step), target, 3 if mixed else 0)
     starts = np.searchsorted(runs.arc[segments.run], np.arange(len(planar.tail) + 1))
     control = _kept_inside(wire.control(), np.asarray(size))
     return Curves(starts, control, np.where(wire.line, LINE, CUBIC).astype(np.uint8))

@@ -75,11 +75,14 @@ class Target(NamedTuple):
     block : int
         Pixels of the picture along the side of one that is explained: large pictures tell
         enough at a lower resolution.
+    known : ndarray of shape (P, C) and dtype float32
+        Colours of all blocks that were asked for, NaN for the others.
     """
 
     image: np.ndarray
     basis: np.ndarray
-    block: int = 1
+    block: int
+    known: np.ndarray
 
     @classmethod
     def of(cls, image: np.ndarray, steps: np.ndarray, length: float) -> "Target":
@@ -88,7 +91,9 @@ class Target(NamedTuple):
         steps = np.unique(np.concatenate([steps, np.zeros((1, 4))]), axis=0)
         _, size, directions = np.linalg.svd(steps, full_matrices=False)
         basis = directions[:max(int((size > 1e-3 * size[:1]).sum()), 1)].T.astype(np.float64)
-        return cls(image, basis, max(int(np.ceil(np.sqrt(length / MUCH))), 1))
+        block = max(int(np.ceil(np.sqrt(length / MUCH))), 1)
+        blocks = (image.shape[0] // block) * (image.shape[1] // block)
+        return cls(image, basis, block, np.full((blocks, basis.shape[1]), np.nan, np.float32))
 
     @property
     def shape(self) -> Tuple[int, int]:
@@ -97,10 +102,12 @@ class Target(NamedTuple):
 
     def colours(self, pixels: np.ndarray) -> np.ndarray:
         """Colours (P, C) of blocks by their number ``row * width + col``."""
-        row, col = (self.block * place for place in np.divmod(pixels, max(self.shape[1], 1)))
+        new = pixels[np.isnan(self.known[pixels, 0])]
+        row, col = (self.block * place for place in np.divmod(new, max(self.shape[1], 1)))
         across = range(self.block)
         mean = sum(premultiplied(self.image[row + y, col + x]) for y in across for x in across) / self.block ** 2
-        return np.einsum("pk,kc->pc", mean, self.basis)
+        self.known[new] = np.einsum("pk,kc->pc", mean, self.basis)
+        return self.known[pixels]
 
 
 def polish(wire: Wire, target: Target, rounds: int) -> Wire:
@@ -117,6 +124,8 @@ def polish(wire: Wire, target: Target, rounds: int) -> Wire:
     -------
     Wire
     """
+    if not rounds:
+        return wire
     step = np.einsum("sk,kc->sc", wire.step, target.basis)
     wire = _scaled(wire, 1 / target.block)
     best, least = wire, np.inf

@@ -13,7 +13,8 @@ from typing import NamedTuple, Tuple
 
 import numpy as np
 
-from .corner import Arclength, Corners
+from .arclength import Arclength
+from .corner import Corners
 from .model import PlanarMap, Polylines
 
 CLEAR = 1.5

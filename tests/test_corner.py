@@ -22,7 +22,8 @@ from pictures import (
     turned,
 )
 
-from ddtcore.corner import Arclength, find_corners
+from ddtcore.arclength import Arclength
+from ddtcore.corner import find_corners
 
 CENTRE = (24.3, 23.8)
 

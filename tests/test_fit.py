@@ -26,7 +26,8 @@ from pictures import (
 )
 
 from ddtcore import bezier
-from ddtcore.corner import Arclength, find_corners
+from ddtcore.arclength import Arclength
+from ddtcore.corner import find_corners
 from ddtcore.fit import fit_arcs
 from ddtcore.model import CUBIC, LINE
 from ddtcore.options import TraceOptions

@@ -24,7 +24,8 @@ from pictures import (
     turned,
 )
 
-from ddtcore.corner import Arclength, find_corners
+from ddtcore.arclength import Arclength
+from ddtcore.corner import find_corners
 from ddtcore.runs import CLEAR, cut_at_knots, end_lines
 
 
