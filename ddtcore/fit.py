@@ -33,7 +33,7 @@ SHRINKING = 0.2
 SPILL = 0.02
 """How far curves may bulge over the border of the picture, px."""
 
-FAINT = 8.0
+FAINT = 16.0
 """Difference of two colours, of 255, at which the tolerance doubles."""
 
 

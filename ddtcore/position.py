@@ -12,14 +12,14 @@ partial area effect", Image and Vision Computing 31, 2013).
 
 from __future__ import annotations
 
-from typing import List, NamedTuple, Optional, Tuple
+from typing import List, Optional, Tuple
 
 import numpy as np
 
 from .border import barycentres
 from .model import Labels, Mesh, PlanarMap, Polylines
 from .options import TraceOptions
-from .staircase import SLACK, along_pixels, dot_arcs, hard_arcs, through_runs
+from .staircase import SLACK, find_staircases
 
 REACH = 4
 """How far from a crossing a flat side is looked for, px."""
@@ -88,7 +88,8 @@ def _by_coverage(image: np.ndarray, labels: Labels, mesh: Mesh,
     shares = [_share(_pixels(image, edge[:, k]), left, right) for k in (0, 1)]
     raw = _half_way(edge, shares, planar.left[arc] == 0)
     ends = _junction_means(mesh, planar, raw)
-    stairs = _staircases(planar, arc, edge, shares, ends)
+    contrast = np.maximum(np.sqrt(np.square(left - right).sum(axis=1)), 1)
+    stairs = find_staircases(planar, arc, edge, shares, contrast, ends)
     hard, dot, hard_points, hard_arc = stairs.hard, stairs.dot, stairs.points, stairs.arc
     inner = np.flatnonzero((planar.left[arc] != 0) & ~hard[arc])
     inner = inner[_first_in_column(planar.rings, arc[inner], raw[inner], _tangents(planar, arc, raw)[inner])]
@@ -106,38 +107,6 @@ def _by_coverage(image: np.ndarray, labels: Labels, mesh: Mesh,
             np.concatenate([position[keep], raw[whole], hard_points]),
             np.concatenate([weight, np.full(len(whole), 0.5), np.ones(len(hard_arc))]),
             ends, np.where(hard & ~dot, SLACK, 0.0), dot)
-
-
-class _Stairs(NamedTuple):
-    hard: np.ndarray         # (A,) arcs that are not anti-aliased
-    dot: np.ndarray          # (A,) those of them that follow the sides of pixels
-    arc: np.ndarray          # (M,)
-    points: np.ndarray       # (M, 2)
-
-
-def _staircases(planar: PlanarMap, arc: np.ndarray, edge: np.ndarray, shares: List[np.ndarray],
-                ends: np.ndarray) -> _Stairs:
-    """The arcs that are not anti-aliased, and their points; moves the junctions of dots (J, 2) in place."""
-    step = edge[:, 1] - edge[:, 0]
-    plain = (np.abs(shares[0]) < FLAT) & (np.abs(shares[1] - 1) < FLAT)
-    axis = np.flatnonzero((np.abs(step).sum(axis=1) == 1) & (planar.left[arc] != 0))
-    upright = step[axis, 0] != 0
-    hard = hard_arcs(planar, arc[axis], upright, plain[axis])
-    dot = dot_arcs(planar, arc, plain)
-    # The left side is where the edge ends: the walk goes at a right angle to it.
-    walk, middle = np.stack([-step[:, 1], step[:, 0]], axis=1), edge.mean(axis=1)
-    exact, runs = axis[dot[arc[axis]]], axis[(hard & ~dot)[arc[axis]]]
-    dot_arc, corners = along_pixels(planar.rings, arc[exact], walk[exact], middle[exact])
-    run_arc, points = through_runs(planar.rings, arc[runs], walk[runs], middle[runs])
-    # An open arc gives its junctions their place.
-    first = np.flatnonzero(np.diff(dot_arc, prepend=-1).astype(bool) & ~planar.rings[dot_arc])
-    last = np.searchsorted(dot_arc, dot_arc[first], side="right") - 1
-    ends[planar.tail[dot_arc[first]]], ends[planar.head[dot_arc[last]]] = corners[first], corners[last]
-    inside = np.ones(len(dot_arc), bool)
-    inside[first] = (corners[first] != ends[planar.tail[dot_arc[first]]]).any(axis=1)
-    inside[last] &= (corners[last] != ends[planar.head[dot_arc[last]]]).any(axis=1)
-    return _Stairs(hard | dot, dot, np.concatenate([run_arc, dot_arc[inside]]),
-                   np.concatenate([points, corners[inside]]))
 
 
 def _crossed_edges(mesh: Mesh, planar: PlanarMap) -> np.ndarray:

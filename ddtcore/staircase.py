@@ -9,7 +9,7 @@ angle are a corner.
 
 from __future__ import annotations
 
-from typing import Tuple
+from typing import List, NamedTuple, Tuple
 
 import numpy as np
 
@@ -18,11 +18,82 @@ from .model import PlanarMap
 SLACK = 0.35
 """How far from the curve a staircase may be, beyond the tolerance, px."""
 
+PLAIN = 0.03
+"""Coverage closer than this to 0 or 1 counts as none or all."""
+
+ROUNDED = 8.0
+"""Colours closer than this count as the same, of 255 (all channels together): those of gradients are rounded."""
+
 LONG, STRAIGHT, SQUARE = 6, 3.0, 4
 """Runs longer than LONG are straight but for STRAIGHT px at either end; two of SQUARE px meet in a corner."""
 
 DOT = 4
 """Largest region that is drawn as its pixels where these are pure, px²: it has no curve to be found."""
+
+
+class Staircases(NamedTuple):
+    """Outlines without anti-aliasing.
+
+    Attributes
+    ----------
+    hard : ndarray of shape (A,) and dtype bool
+        Arcs that are not anti-aliased.
+    dot : ndarray of shape (A,) and dtype bool
+        Those of them that follow the sides of pixels.
+    arc : ndarray of shape (M,)
+    points : ndarray of shape (M, 2)
+        What the arcs' points are to be.
+    """
+
+    hard: np.ndarray
+    dot: np.ndarray
+    arc: np.ndarray
+    points: np.ndarray
+
+
+def find_staircases(planar: PlanarMap, arc: np.ndarray, edge: np.ndarray, shares: List[np.ndarray],
+                    contrast: np.ndarray, ends: np.ndarray) -> Staircases:
+    """Find the arcs that are not anti-aliased, and their points.
+
+    Parameters
+    ----------
+    planar : PlanarMap
+    arc : ndarray of shape (N,)
+        Arc of each crossing.
+    edge : ndarray of shape (N, 2, 2)
+        Origin and end of the crossed mesh edge.
+    shares : list of two ndarray of shape (N,)
+        How much of the left colour there is in the pixels at these.
+    contrast : ndarray of shape (N,)
+        Difference of the two colours, levels.
+    ends : ndarray of shape (J, 2)
+        Positions of the junctions; those of dots are moved.
+
+    Returns
+    -------
+    Staircases
+    """
+    step = edge[:, 1] - edge[:, 0]
+    flat = np.maximum(PLAIN, ROUNDED / contrast)
+    plain = (np.abs(shares[0]) < flat) & (np.abs(shares[1] - 1) < flat)
+    axis = np.flatnonzero((np.abs(step).sum(axis=1) == 1) & (planar.left[arc] != 0))
+    upright = step[axis, 0] != 0
+    hard = hard_arcs(planar, arc[axis], upright, plain[axis])
+    dot = dot_arcs(planar, arc, plain)
+    # The left side is where the edge ends: the walk goes at a right angle to it.
+    walk, middle = np.stack([-step[:, 1], step[:, 0]], axis=1), edge.mean(axis=1)
+    exact, runs = axis[dot[arc[axis]]], axis[(hard & ~dot)[arc[axis]]]
+    dot_arc, corners = along_pixels(planar.rings, arc[exact], walk[exact], middle[exact])
+    run_arc, points = through_runs(planar.rings, arc[runs], walk[runs], middle[runs])
+    # An open arc gives its junctions their place.
+    first = np.flatnonzero(np.diff(dot_arc, prepend=-1).astype(bool) & ~planar.rings[dot_arc])
+    last = np.searchsorted(dot_arc, dot_arc[first], side="right") - 1
+    ends[planar.tail[dot_arc[first]]], ends[planar.head[dot_arc[last]]] = corners[first], corners[last]
+    inside = np.ones(len(dot_arc), bool)
+    inside[first] = (corners[first] != ends[planar.tail[dot_arc[first]]]).any(axis=1)
+    inside[last] &= (corners[last] != ends[planar.head[dot_arc[last]]]).any(axis=1)
+    return Staircases(hard | dot, dot, np.concatenate([run_arc, dot_arc[inside]]),
+                   np.concatenate([points, corners[inside]]))
 
 
 def hard_arcs(planar: PlanarMap, arc: np.ndarray, upright: np.ndarray, pure: np.ndarray) -> np.ndarray:
