@@ -9,6 +9,7 @@ import sys
 import warnings
 
 from ddtcore.inkscape.log import note
+from ddtcore.inkscape.words import _
 
 try:
     import inkex
@@ -19,9 +20,9 @@ try:
 except ImportError as error:
     if __name__ != "__main__":
         raise
-    MESSAGE = (f"DDT Trace cannot start: the Python that Inkscape uses ({sys.executable}) cannot import"
-               f" {error.name or error}; on Debian and Ubuntu install python3-numpy, python3-pil,"
-               " python3-lxml, python3-cssselect and python3-tinycss2.")
+    MESSAGE = _("DDT Trace cannot start: the Python that Inkscape uses ({python}) cannot import {name}; on Debian"
+                " and Ubuntu install python3-numpy, python3-pil, python3-lxml, python3-cssselect and"
+                " python3-tinycss2.").format(python=sys.executable, name=error.name or error)
     sys.exit(1 if note(MESSAGE) else MESSAGE)
 
 
@@ -37,11 +38,17 @@ class DdtTrace(inkex.EffectExtension):
         settings.add_arguments(pars)
 
     def parse_arguments(self, args):
+        # argparse would explain all of its arguments as well, and Inkscape show that in a box.
+        self.arg_parser.error = self.refuse_settings
         super().parse_arguments(args)
         try:
             settings.trace_options(self.options)
         except (TypeError, ValueError) as error:
-            self.arg_parser.error(str(error))
+            self.refuse_settings(error)
+
+    def refuse_settings(self, reason):
+        text = _("A setting is wrong: {reason}.").format(reason=reason)
+        self.arg_parser.exit(2, "" if note(text) else text + "\n")
 
     def load(self, stream):
         with faults.plain_messages():
@@ -50,8 +57,9 @@ class DdtTrace(inkex.EffectExtension):
         self.svg.selection.set(*self.options.ids)
         return tree
 
-    def has_changed(self, ret):
-        return True
+    def save_raw(self, ret):
+        with faults.plain_messages():
+            document.save_document(self.document, self.options.output)
 
     def effect(self):
         copy = self.options.input_file if isinstance(self.options.input_file, str) else None

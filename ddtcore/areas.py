@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A limited number of connected areas: what stands out least is merged first.
 
-Neighbouring areas are merged in the order of what that adds to the squared error, for
-each pixel of border that it removes (Koepfler, Lopez and Morel, "A multiscale algorithm
-for image segmentation by variational method", SIAM Journal on Numerical Analysis 31,
-1994).  So small areas of low contrast go first, and long borders hold only where they
-are strong.
+Neighbouring areas are merged in the order of what that adds to the squared error, less
+for longer borders (as Koepfler, Lopez and Morel, "A multiscale algorithm for image
+segmentation by variational method", SIAM Journal on Numerical Analysis 31, 1994, who
+divide by the length; by its root, small strong details last longer).  So small areas of
+low contrast go first, and long borders hold only where they are strong.
 """
 
 from __future__ import annotations
@@ -25,8 +25,15 @@ EVEN = 10.0
 SQUARES = 4, 2
 """Sides of these squares, px."""
 
-EAGER = 0.25
-"""Share of the areas' cheapest borders that are removed in a round; more is quicker, less is more exact."""
+MANY = 8
+"""How many times as many areas as wanted count as many."""
+
+EAGER, PATIENT = 0.5, 0.12
+"""Share of the areas' cheapest borders that are removed in a round while there are many, and then; more
+is quicker, less is more exact."""
+
+ROOM = 32
+"""Least mean size of the areas of a picture, px²."""
 
 
 class _Areas(NamedTuple):
@@ -55,28 +62,21 @@ class _Areas(NamedTuple):
         mean = self.total / self.size
         square = ((mean[:, self.one] - mean[:, self.other]) ** 2).sum(axis=0)
         a, b = self.size[self.one], self.size[self.other]
-        return (square * (a * b / (a + b)) / self.length).astype(np.float32)
+        return (square * (a * b / (a + b)) / np.sqrt(self.length)).astype(np.float32)
 
 
 def label_areas(canvas: Canvas, most: int) -> Labels:
-    """One label for each of at most `most` areas, with its mean colour.
-
-    Parameters
-    ----------
-    canvas : Canvas
-    most : int
-        0 for as few as `posterise.MOST_REGIONS` allows.
-
-    Returns
-    -------
-    Labels
-    """
+    """One label for each of at most `most` areas, with its mean colour; small pictures have fewer."""
     colour = planes(canvas.bare(canvas.keys), canvas.opaque)
     index = _squares(colour)
     count = int(index.max()) + 1
     size = np.bincount(index.ravel(), minlength=count).astype(np.float64)
     total = np.stack([np.bincount(index.ravel(), plane.ravel(), count) for plane in colour])
-    index = _merged(_Areas(size, total, *_borders(index)), most)[index]
+    areas = _Areas(size, total, *_borders(index))
+    equal = np.flatnonzero(areas.costs() == 0)
+    number = components(count, areas.one[equal], areas.other[equal]).astype(np.int64)
+    group = _merged(_joined(areas, number), min(most, index.size // ROOM))
+    index = group[number][index]
     return Labels(index, mean_colours(canvas, index), np.zeros(index.shape, bool))
 
 
@@ -144,14 +144,14 @@ def _merged(areas: _Areas, most: int) -> np.ndarray:
     group = np.arange(len(areas.size))
     most = max(1, most)
     while len(areas.size) > most and len(areas.one):
-        chosen = _cheapest(areas, len(areas.size) - most)
+        chosen = _cheapest(areas, len(areas.size) - most, EAGER if len(areas.size) > MANY * most else PATIENT)
         number = components(len(areas.size), areas.one[chosen], areas.other[chosen]).astype(np.int64)
         areas = _joined(areas, number)
         group = number[group]
     return group.astype(np.int32)
 
 
-def _cheapest(areas: _Areas, wanted: int) -> np.ndarray:
+def _cheapest(areas: _Areas, wanted: int, share: float) -> np.ndarray:
     """The cheapest of the borders that are the cheapest one of an area; they close no circles."""
     cost = areas.costs()
     order = np.argsort(-cost, kind="stable")
@@ -161,9 +161,11 @@ def _cheapest(areas: _Areas, wanted: int) -> np.ndarray:
     # The last one written, the cheapest, is what stays.
     best[0, areas.one[order]] = rank[order]
     best[1, areas.other[order]] = rank[order]
-    cheapest = np.unique(best.max(axis=0))[::-1]
-    cheapest = cheapest[cheapest >= 0]
-    return order[cheapest[:max(1, min(wanted, int(np.ceil(EAGER * len(cheapest)))))]]
+    lowest = best.max(axis=0)
+    asked = np.zeros(len(order), bool)
+    asked[lowest[lowest >= 0]] = True
+    cheapest = order[asked][::-1]
+    return cheapest[:max(1, min(wanted, int(np.ceil(share * len(cheapest)))))]
 
 
 def _joined(areas: _Areas, number: np.ndarray) -> _Areas:

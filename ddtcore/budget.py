@@ -26,11 +26,14 @@ from .reduction import reduce
 PIXEL = 0.2e-6
 """Seconds for a pixel, wherever it lies."""
 
-STEP, ROUGH = 2e-6, 0.5e-6
-"""Seconds of labelling for a step between pixels of different colours; and most for a pixel,
-for pictures with steps everywhere are treated more roughly."""
+STEP = 2e-6
+"""Seconds of labelling for a step between pixels of different colours."""
 
-BOUNDARY = 35e-6
+ROUGH, AREAS = 0.5e-6, 1.5e-6
+"""Most seconds of labelling for a pixel, for pictures with steps everywhere are treated more
+roughly; and most where regions are areas."""
+
+BOUNDARY = 30e-6
 """Seconds for a pixel of boundary, from its crossings to the curve."""
 
 TRIANGLES = 6e-6
@@ -75,7 +78,7 @@ def label_within_budget(image: np.ndarray, options: TraceOptions, label: Callabl
     while True:
         small = reduce(image, factor)
         whatever = max(small.shape[:2]) <= _SMALLEST
-        seconds = labelling_seconds(small)
+        seconds = labelling_seconds(small, options)
         if whatever or seconds <= options.seconds:
             labels = label(small, factor)
             seconds += drawing_seconds(labels, options)
@@ -86,13 +89,14 @@ def label_within_budget(image: np.ndarray, options: TraceOptions, label: Callabl
         note = TOO_LONG.format(factor)
 
 
-def labelling_seconds(image: np.ndarray) -> float:
+def labelling_seconds(image: np.ndarray, options: TraceOptions) -> float:
     """How long it will take to label a picture (H, W, 4), by a sample of its rows and columns."""
     steps = 0.0
     for lines in (image, image.swapaxes(0, 1)):
         keys = packed(lines[::max(1, len(lines) // _LINES)])
         steps += np.count_nonzero(keys[:, 1:] != keys[:, :-1]) / keys.size
-    return image.shape[0] * image.shape[1] * (PIXEL + min(STEP * steps, ROUGH))
+    most = AREAS if options.regions == "areas" else ROUGH
+    return image.shape[0] * image.shape[1] * (PIXEL + min(STEP * steps, most))
 
 
 def drawing_seconds(labels: Labels, options: TraceOptions) -> float:

@@ -134,11 +134,11 @@ def mean_colours(canvas: Canvas, index: np.ndarray) -> np.ndarray:
     some = index >= 0
     label, rgba = index[some], unpack(canvas.bare(canvas.keys)[some])
     count = np.bincount(label)
-    alpha = rgba[:, 3] / 255.0
-    covered = count.astype(np.float64) if canvas.opaque else np.bincount(label, alpha, count.size)
+    alpha = None if canvas.opaque else rgba[:, 3] / 255.0
+    covered = count.astype(np.float64) if alpha is None else np.bincount(label, alpha, count.size)
     mean = np.empty((count.size, 4))
     for channel in range(3):
-        weight = rgba[:, channel] if canvas.opaque else rgba[:, channel] * alpha
+        weight = rgba[:, channel] if alpha is None else rgba[:, channel] * alpha
         mean[:, channel] = np.bincount(label, weight, count.size) / np.maximum(covered, 1e-9)
     mean[:, 3] = 255 * covered / np.maximum(count, 1)
     return mean

@@ -85,7 +85,10 @@ def settle(image: np.ndarray, options: Optional[TraceOptions]) -> Tuple[TraceOpt
     choice : str
         The preset that was chosen and why; "" if there was nothing to choose.
     """
-    options = options or Automatic()
+    if options is None:
+        options = Automatic()
+    if not isinstance(options, TraceOptions):
+        raise TypeError(f"options must be TraceOptions, not {options!r}")
     if not isinstance(options, Automatic):
         return options, ""
     choice = choose_preset(image)
@@ -161,7 +164,8 @@ def _as_photo(image: np.ndarray) -> Choice:
     calm = mean[span <= CALM]
     grey = np.mean(np.ptp(calm, axis=1) > GREY) < 0.02 if len(calm) else True
     shades = _count_shades(calm)
-    said = f"{shades} {'shades of grey' if grey else 'shades'} where it is calm, {texture:.0%} texture"
+    kind = ("shade" if shades == 1 else "shades") + (" of grey" if grey else "")
+    said = f"{shades} {kind} in its calm parts, {texture:.0%} of it textured"
     if shades >= (SHADES_OF_GREY if grey else SHADES) and texture >= (TEXTURED_GREY if grey else TEXTURED):
         return Choice("photo", said)
     return Choice("clip-art", said)

@@ -16,7 +16,7 @@ from typing import Any, Dict, Iterator, List, NoReturn, Optional, Sequence, Tupl
 
 from . import __version__
 from .files import STANDARD, Job, Outcome, default_target, run_all
-from .options import PRESETS, TraceOptions
+from .options import PRESETS, TraceOptions, reader
 from .progress import ProgressLine
 
 _INTERRUPTED = 130
@@ -25,9 +25,9 @@ _GROUPS = {
     "what to draw": ("result", "stacking", "group", "decimals"),
     "colours and regions": ("colors", "palette", "merge", "background", "gradients", "speckle", "areas",
                             "regions", "threshold", "level"),
-    "triangulation": ("cost", "flips", "work"),
-    "limits": ("seconds", "megapixels"),
-    "outlines and curves": ("positions", "curves", "tolerance", "corner", "suppression"),
+    "outlines and curves": ("tolerance", "corner", "curves", "positions", "suppression"),
+    "triangulation": ("flips", "cost"),
+    "limits": ("seconds", "megapixels", "work"),
 }
 """Settings by heading of the help; those named nowhere come under the last one."""
 
@@ -37,13 +37,13 @@ _UNITS = {"px": "PX", "px²": "AREA", "%": "PERCENT", "degrees": "DEGREES", "s":
 
 _EXAMPLES = """\
 examples:
-  %(prog)s picture.png                    writes picture.svg
-  %(prog)s picture.png -o drawing.svgz    compressed
-  %(prog)s *.png --out-dir traced         many pictures
+  %(prog)s picture.png                 picture.svg beside it
+  %(prog)s picture.png -o drawing.svgz
+  %(prog)s *.png --out-dir traced      many pictures
   %(prog)s scan.jpg --colors 8 --speckle 20
   %(prog)s picture.png --preset paper --report
-  cat picture.png | %(prog)s - > drawing.svg
-  %(prog)s compare picture.png    a page that shows both
+  %(prog)s - < picture.png > drawing.svg
+  %(prog)s compare picture.png         a page: both, side by side
 
 exit status: 0 if all went well, 1 if a picture failed, 2 on bad usage,
 130 if interrupted."""
@@ -93,6 +93,12 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
         return _run(_parser(page), words[page:], page)
     except KeyboardInterrupt:
         return _INTERRUPTED
+    except ModuleNotFoundError as error:
+        if error.name not in ("numpy", "PIL"):
+            raise
+        print(f"{_program()}: {error.name} is not installed; get it by {sys.executable} -m pip install numpy"
+              " pillow, or on Debian and Ubuntu by apt-get install python3-numpy python3-pil", file=sys.stderr)
+        return 1
     except BrokenPipeError:
         # The reader has what it wanted.  Without this Python would complain when it flushes at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -148,9 +154,13 @@ def _say(parser: _Parser, text: str) -> None:
     print(f"{parser.prog}: {text}", file=sys.stderr, flush=True)
 
 
-def _parser(page: bool = False) -> _Parser:
+def _program() -> str:
     program = os.path.basename(sys.argv[0])
-    program = "python3 -m ddtcore" if program == "__main__.py" else program
+    return "python3 -m ddtcore" if program == "__main__.py" else program
+
+
+def _parser(page: bool = False) -> _Parser:
+    program = _program()
     parser = _Parser(
         prog=f"{program} {_COMPARE}" if page else program,
         usage="%(prog)s [options] PICTURE...", allow_abbrev=False, add_help=False,
@@ -177,7 +187,8 @@ def _parser(page: bool = False) -> _Parser:
         say.add_argument("--json", action="store_true",
                          help="the report, or the timings, or both, as JSON: one line per picture")
     say.add_argument("-q", "--quiet", action="store_true", help="print errors only")
-    say.add_argument("--version", action="version", version=f"DDT Trace {__version__}")
+    say.add_argument("--version", action="version", version=f"DDT Trace {__version__}",
+                     help="print the version and end")
     say.add_argument("-h", "--help", action="help", help="print this and end")
     _add_settings(parser)
     return parser
@@ -185,29 +196,28 @@ def _parser(page: bool = False) -> _Parser:
 
 def _add_settings(parser: _Parser) -> None:
     settings = {field.name: field for field in fields(TraceOptions)}
-    grouped = {name: title for title, names in _GROUPS.items() for name in names}
-    groups: Dict[str, Any] = {title: parser.add_argument_group(title) for title in _GROUPS}
-    groups["what to draw"].add_argument(
-        "--preset", metavar="NAME", default=next(iter(PRESETS)),
-        help=f"settings to start from: {', '.join(PRESETS)} (default: %(default)s)")
-    for name, setting in settings.items():
-        title = grouped.get(name, _OTHERS)
-        if title not in groups:
-            groups[title] = parser.add_argument_group(title)
-        _add_setting(groups[title], name, setting.default, setting.metadata)
+    named = {name for names in _GROUPS.values() for name in names}
+    others = tuple(name for name in settings if name not in named)
+    for title, names in [*_GROUPS.items(), (_OTHERS, others)]:
+        group = parser.add_argument_group(title)
+        if title == "what to draw":
+            group.add_argument("--preset", metavar="NAME", default=next(iter(PRESETS)),
+                               help=f"settings to start from ({', '.join(PRESETS)}; default: %(default)s)")
+        for name in names:
+            _add_setting(group, name, settings[name].default, settings[name].metadata)
 
 
 def _add_setting(group: Any, name: str, default: Any, meta: Any) -> None:
     if meta["choices"]:
         values, metavar = ", ".join(meta["choices"]), "NAME"
     elif isinstance(default, str):
-        values, metavar = "colours, or a .gpl file", "COLOURS"
+        values, metavar = "colours or a .gpl file", "COLOURS"
     else:
         values, metavar = f"{meta['low']:.15g} to {meta['high']:.15g}", _UNITS.get(meta["unit"], "N")
     shown = default or "none" if isinstance(default, str) else f"{default:.15g}"
     group.add_argument(
-        _flag(name), dest=name, metavar=metavar, type=type(default), default=argparse.SUPPRESS,
-        help=f"{meta['help']}: {values} (default: {shown})".replace("%", "%%"))
+        _flag(name), dest=name, metavar=metavar, type=reader(default, meta), default=argparse.SUPPRESS,
+        help=f"{meta['help']} ({values}; default: {shown})".replace("%", "%%"))
 
 
 def _flag(name: str) -> str:
@@ -225,12 +235,19 @@ def _refuse_unknown(parser: _Parser, unknown: List[str]) -> None:
     parser.error(f"there is no option {mistyped}" + (f"; did you mean {close[0]}?" if close else ""))
 
 
+def _refuse_mistyped_command(parser: _Parser, word: str) -> None:
+    from difflib import get_close_matches
+
+    if not os.path.exists(word) and get_close_matches(word, [_COMPARE]):
+        parser.error(f"there is no picture or command {word}; did you mean {_COMPARE}?")
+
+
 def _options(parser: _Parser, parsed: argparse.Namespace) -> TraceOptions:
     given = {field.name: getattr(parsed, field.name)
              for field in fields(TraceOptions) if hasattr(parsed, field.name)}
     try:
         return TraceOptions.preset(parsed.preset, **given)
-    except ValueError as error:
+    except (TypeError, ValueError) as error:
         name, _, rest = str(error).partition(" ")
         parser.error(f"{_flag(name)} {rest}")
 
@@ -241,6 +258,7 @@ def _jobs(parser: _Parser, parsed: argparse.Namespace, page: bool) -> List[Job]:
     options = _options(parser, parsed)
     if not pictures:
         parser.error("no picture given")
+    _refuse_mistyped_command(parser, pictures[0])
     if parsed.jobs < 0:
         parser.error(f"--jobs must be 0 or more, not {parsed.jobs}")
     if len(pictures) > 1 and (output is not None or STANDARD in pictures):

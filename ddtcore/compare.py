@@ -19,8 +19,9 @@ from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Optional, Tu
 import numpy as np
 
 from . import __version__
+from .choice import settle
 from .model import LINE, Drawing, Loop, Triangles
-from .options import Automatic, TraceOptions
+from .options import TraceOptions
 from .pathdata import number_text
 from .pipeline import trace
 from .raster import check_image
@@ -29,6 +30,11 @@ from .svg import encoded, group
 
 MOST_TRIANGLES = 40_000
 """Triangles in a page; of a larger mesh a window is shown."""
+
+WORDS: Dict[str, str] = {
+    "bmp": "24-bit bitmap", "ddt_svg": "triangles as SVG", "svg": "curves as SVG", "svgz": "curves, compressed",
+    "bmp/svg": "bitmap / curves", "ddt_svg/svgz": "triangles / compressed curves"}
+"""What the page calls the figures of a report."""
 
 _DIGITS = 2
 """Digits after the point of points and handles."""
@@ -51,7 +57,8 @@ def compare(image: np.ndarray, options: Optional[TraceOptions] = None, name: str
     image : ndarray of shape (H, W, 4) and dtype uint8
         RGBA, not premultiplied.
     options : TraceOptions, optional
-        Their `result` doesn't matter: the page shows all of them.
+        Their `result` doesn't matter: the page shows all of them.  Without them, the preset is
+        chosen by the look of the picture.
     name : str
         What the page calls the picture.
 
@@ -68,10 +75,12 @@ def compare(image: np.ndarray, options: Optional[TraceOptions] = None, name: str
     (1, False)
     """
     image = check_image(image)
-    options = replace(options or Automatic(), result="curves")
+    options, chosen = settle(image, options)
+    options = replace(options, result="curves")
     meshes = trace(image, replace(options, result="triangles"))
-    curves = trace(image, options)
-    outlines = trace(image, replace(options, result="outlines"))
+    curves = replace(trace(image, options), choice=chosen)
+    # Cut out, for stacked shapes go on where nobody sees them.
+    outlines = trace(image, replace(options, result="outlines", stacking="cutout"))
     assert meshes.triangles is not None
     mesh, box = _window(image, meshes.triangles)
     height, width = image.shape[:2]
@@ -80,7 +89,7 @@ def compare(image: np.ndarray, options: Optional[TraceOptions] = None, name: str
     return _fill({
         "name": escape(name), "size": f"{width} × {height} px", "version": __version__,
         "settings": _said(options),
-        "notes": "\n".join(f"  <p>{escape(note)}</p>" for note in curves.notes),
+        "notes": "\n".join(f"  <p>{escape(note)}</p>" for note in (*_chosen(chosen), *curves.notes)),
         "width": str(width), "height": str(height), "bitmap": _bitmap(image),
         "close_x": f"{close[0]:.0f}", "close_y": f"{close[1]:.0f}",
         "curves": group(curves, ids="trace"), "triangles": _painted(mesh), "border": _lined(mesh),
@@ -101,6 +110,10 @@ def flags(options: TraceOptions) -> str:
     changed = [(field.name, getattr(options, field.name)) for field in fields(TraceOptions)
                if getattr(options, field.name) != field.default]
     return " ".join(f"--{name.replace('_', '-')} {value}" for name, value in changed)
+
+
+def _chosen(choice: str) -> List[str]:
+    return [f"Preset chosen by the look of the picture: {choice}"] if choice else []
 
 
 def _said(options: TraceOptions) -> str:
@@ -269,8 +282,9 @@ def _tables(figures: Report) -> Iterator[str]:
     """The report: a table for each of its groups."""
     for title, values in figures.to_dict().items():
         if isinstance(values, dict):
-            rows = "".join(f"<tr><th scope=row>{escape(key)}</th><td>{_number(value)}</td></tr>"
-                           for key, value in values.items())
+            named = ((WORDS.get(str(key), str(key)), value) for key, value in values.items())
+            rows = "".join(f"<tr><th scope=row>{escape(name)}</th><td>{_number(value)}</td></tr>"
+                           for name, value in named)
             yield f"<table><caption>{escape(title.capitalize())}</caption>{rows}</table>"
 
 

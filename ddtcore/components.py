@@ -9,7 +9,7 @@ pixels of a row, which leaves few of them in a picture of flat colours.
 
 from __future__ import annotations
 
-from typing import Optional
+from typing import Optional, Tuple
 
 import numpy as np
 
@@ -115,6 +115,44 @@ def link_components(right: np.ndarray, down: np.ndarray, down_right: Optional[np
     a, b = (np.concatenate(side) for side in zip(*pairs))
     count = int(run[-1, -1]) + 1 if run.size else 0
     return components(count, a, b)[run]
+
+
+def linked_areas(right: np.ndarray, down: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Number the connected components of the pixels that are linked at all.
+
+    Parameters
+    ----------
+    right : ndarray of shape (H, W - 1) and dtype bool
+    down : ndarray of shape (H - 1, W) and dtype bool
+        As for `link_components`.
+
+    Returns
+    -------
+    area : ndarray of shape (H, W) and dtype int32
+        Component of each pixel, numbered from 0 in reading order; -1 for pixels without links.
+    size : ndarray of shape (n,) and dtype int64
+        Pixels of each component.
+    """
+    linked = np.zeros((right.shape[0], down.shape[1]), bool)
+    for one, other, links in ((linked[:, :-1], linked[:, 1:], right), (linked[:-1], linked[1:], down)):
+        one |= links
+        other |= links
+    # Only where runs of linked pixels begin and end something is to be done.
+    begins, ends = linked.copy(), linked.copy()
+    begins[:, 1:] &= ~right
+    ends[:, :-1] &= ~right
+    heads, tails = np.flatnonzero(begins), np.flatnonzero(ends) + 1
+    needed = down.copy()
+    needed[:, 1:] &= ~(down[:, :-1] & right[:-1] & right[1:])
+    upper = np.flatnonzero(needed)
+    a, b = (np.searchsorted(heads, cells, side="right") - 1 for cells in (upper, upper + linked.shape[1]))
+    number = components(heads.size, a, b)
+    size = np.bincount(number, tails - heads).astype(np.int64)
+    # Gaps and runs take turns.
+    area = np.full(2 * heads.size + 1, -1, np.int32)
+    area[1::2] = number
+    bounds = np.concatenate([[0], np.stack([heads, tails], axis=1).ravel(), [linked.size]])
+    return np.repeat(area, np.diff(bounds)).reshape(linked.shape), size
 
 
 def label_components(labels: np.ndarray, connectivity: int = 4) -> np.ndarray:

@@ -48,7 +48,7 @@ class Samples(NamedTuple):
 
     points: np.ndarray
     colour: np.ndarray
-    count: np.ndarray
+    count: np.ndarray  # type: ignore[assignment]
 
 
 class Field(NamedTuple):
@@ -110,7 +110,7 @@ class Slopes(NamedTuple):
 
     points: np.ndarray   # (m, 2)
     slope: np.ndarray    # (m, 2, C)
-    count: np.ndarray    # (m,)
+    count: np.ndarray    # type: ignore[assignment]  # (m,)
 
 
 def slopes(samples: Samples, side: float) -> Slopes:
@@ -150,8 +150,8 @@ def first_field(known: Slopes, samples: Samples, kind: str, elliptic: bool = Fal
     # An edge that got into the region is steep: it should not outvote all slopes.
     steep = (known.slope ** 2).sum(axis=(1, 2))
     calm = known.count / (1 + steep / (9 * weighted_quantile(steep, known.count, 0.5) + 1e-9))
-    fields = [_parallel(known._replace(count=count), kind, elliptic) for count in (known.count, calm)]
-    fields = [field for field in fields if field is not None and field.sound]
+    found = [_parallel(known._replace(count=count), kind, elliptic) for count in (known.count, calm)]
+    fields = [field for field in found if field is not None and field.sound]
     return min(fields, key=lambda field: _linearise(field, samples).error) if fields else None
 
 
@@ -165,10 +165,10 @@ def _parallel(known: Slopes, kind: str, elliptic: bool) -> Optional[Field]:
     """The field that lies nearest to being parallel to the slopes, however far its centre is."""
     x, y = known.points.T
     one, none = np.ones_like(x), np.zeros_like(x)
-    basis = [(one, none), (none, one)]
+    terms = [(one, none), (none, one)]
     if kind == "radial":
-        basis += [(2 * x, 2 * y), (2 * x, -2 * y), (2 * y, 2 * x)][:3 if elliptic else 1]
-    basis = np.moveaxis(np.array(basis), 2, 0)
+        terms += [(2 * x, 2 * y), (2 * x, -2 * y), (2 * y, 2 * x)][:3 if elliptic else 1]
+    basis = np.moveaxis(np.array(terms), 2, 0)
     cross = basis[:, :, :1] * known.slope[:, None, 1] - basis[:, :, 1:] * known.slope[:, None, 0]
     steep = known.count * (known.slope ** 2).sum(axis=(1, 2))
     q = _least(np.einsum("m,mpc,mqc->pq", known.count, cross, cross),
@@ -210,7 +210,7 @@ def refined(field: Field, samples: Samples) -> Tuple[Field, np.ndarray]:
         if ahead is None or ahead.error >= state.error:
             damping *= 30
             continue
-        done = ahead.error > 0.999 * state.error
+        done = ahead.error > 0.99 * state.error
         field, state, damping = moved, ahead, damping / 10
         if done:
             break

@@ -170,7 +170,7 @@ def _attempt(job: Job, tell: Optional[Tell] = None) -> Outcome:
 
     try:
         return _run(job, tell)
-    except BrokenPipeError:
+    except (BrokenPipeError, ModuleNotFoundError):
         raise
     except ImageError as error:
         reason = str(error)

@@ -12,8 +12,7 @@ from typing import NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from .field import (Field, Samples, first_field, refined, slopes, squares, total_error,
-                    unexplained, weighted_quantile)
+from .field import Field, Samples, first_field, refined, slopes, squares, total_error, unexplained, weighted_quantile
 from .model import Gradient
 from .stops import BINS, choose_stops, profile
 

@@ -18,6 +18,7 @@ import numpy as np
 
 from .model import LINE, Drawing, Labels, Loop, Shape
 from .options import TraceOptions
+from .perception import nearest
 from .recolour import snap
 
 MIDDLE = 127.5
@@ -118,9 +119,13 @@ def on_paper(drawing: Drawing, options: TraceOptions) -> Drawing:
         Shapes that are all of one colour and touch nowhere.
     options : TraceOptions
     """
-    size = drawing.width, drawing.height
-    shapes = [] if options.background == "drop" else [
-        Shape("#ffffff 1", PAPER, 1.0, (_rectangle(*size),), float(size[0] * size[1]))]
+    shapes = []
+    if options.background == "keep":
+        paper = options.swatches or [PAPER]
+        rgb = paper[int(nearest(np.array([PAPER]), np.array(paper))[0])]
+        size = drawing.width, drawing.height
+        name = "#{:02x}{:02x}{:02x} 1".format(*rgb)
+        shapes.append(Shape(name, rgb, 1.0, (_rectangle(*size),), float(size[0] * size[1])))
     if drawing.shapes:
         loops = tuple(loop for shape in drawing.shapes for loop in shape.loops)
         shapes.append(replace(drawing.shapes[0], loops=loops, area=sum(shape.area for shape in drawing.shapes)))

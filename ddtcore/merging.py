@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Fewer labels: a limit for the palette, and specks that join a neighbour.
+"""Fewer labels: a limit for the palette, twins of a colour, and specks that join a neighbour.
 
-Both work on the labels, before any boundary exists, so they cannot leave gaps.
+All work on the labels, before any boundary exists, so they cannot leave gaps.
 """
 
 from __future__ import annotations
@@ -17,6 +17,12 @@ from .model import Labels
 
 MANY = 512
 """Most colours that are grouped by all their distances."""
+
+TWIN = 2.0
+"""How far apart colours are that nobody can tell from each other, levels."""
+
+MEETING = 8
+"""Shortest boundary between two colours that is worth a merge, px."""
 
 
 def limit_colours(labels: Labels, most: int) -> Labels:
@@ -52,6 +58,38 @@ def _groups(points: np.ndarray, weights: np.ndarray, most: int) -> np.ndarray:
         nearer = square < least
         nearest[nearer], least[nearer] = k, square[nearer]
     return ward_groups(points[top], np.bincount(nearest, weights, len(top)), most)[nearest]
+
+
+def merge_twins(labels: Labels, colours: np.ndarray) -> Labels:
+    """Merge flat colours that nobody can tell apart and that border on each other.
+
+    A boundary between them costs as much as any other and is never seen.  Twins that
+    nowhere meet cost nothing and keep their own colours.  Colours are merged into a more frequent
+    one only, so that no chain of twins leads to a colour that looks different.
+
+    Parameters
+    ----------
+    labels : Labels
+    colours : ndarray of shape (C, K) and dtype float32
+        The palette, premultiplied.
+    """
+    count = len(labels.palette)
+    near = np.abs(colours[:, :, None] - colours[:, None]).max(axis=0) <= TWIN
+    if labels.ramp is not None:
+        ramp = np.zeros(count, bool) if labels.ramp is None else labels.ramp
+    near &= ~(ramp[:, None] | ramp)
+    if np.count_nonzero(near) <= count:
+        return labels
+    one, other = _borders(labels.index)
+    near &= np.bincount(one * count + other, minlength=count * count).reshape(count, count) >= MEETING
+    into = np.arange(count, dtype=labels.index.dtype)
+    free = np.ones(count, bool)
+    for k in np.argsort(-np.bincount(labels.index.ravel(), minlength=count), kind="stable"):
+        if free[k]:
+            joined = near[k] & free
+            into[joined] = k
+            free[joined] = free[k] = False
+    return drop_unused(replace(labels, index=into[labels.index]))
 
 
 def ward_groups(points: np.ndarray, weights: np.ndarray, most: int) -> np.ndarray:

@@ -12,7 +12,8 @@ from typing import List, Tuple
 import numpy as np
 
 from .canvas import Canvas, count_keys, planes, unpack
-from .palette import Plateaus, is_mixed
+from .mixes import segment_distance
+from .palette import Plateaus, find_plateaus, is_mixed
 from .sides import window
 
 ROUNDING = 2.0
@@ -24,12 +25,25 @@ STRONGEST = 24.0
 SPECK = 12.0
 """Regions smaller than this in a noisy picture are ripples, px²."""
 
+GRAIN = 12.0
+"""Largest noise of flat art with a grain, levels."""
+
+EXPLAINED = 0.5
+"""Share of the pixels that have one of few colours in flat art with a grain."""
+
+GATHERED = 0.85
+"""Share of those that are less than half the noise away from it."""
+
+REDUCED = 64
+"""Most colours on the edges of a picture whose colours were reduced."""
+
 _LOW = 32
 _HIGH = 48
 _UNEVEN = 2
 _SAMPLE = 1 << 14
 _VOTES = 1 << 16
 _FEW = 13
+_JUDGED = 500
 _WIDE = 32
 _MANY = 64
 
@@ -66,6 +80,55 @@ def noise_level(canvas: Canvas, core: np.ndarray, slopes: np.ndarray) -> Tuple[f
     return float(min(STRONGEST, 1.3 * np.median(span[uneven & (span <= _HIGH)]))), True
 
 
+def is_grainy(canvas: Canvas) -> bool:
+    """Whether a picture without flat pixels is flat art under a fine grain: few colours explain most of it.
+
+    Round those of flat art the means of 3 x 3 pixels gather; in a photograph they lie anywhere between.
+    """
+    plateaus = find_plateaus(canvas, np.zeros(canvas.shape, bool))
+    noise, rippled = noise_level(canvas, plateaus.core, np.full(canvas.shape, -1, np.int32))
+    if not rippled or noise > GRAIN:
+        return False
+    colours = planes(noisy_colours(canvas, plateaus, noise), canvas.opaque)
+    cells = canvas.cells(np.ones(canvas.shape, bool))
+    cells = cells[::max(1, cells.size // _SAMPLE)]
+    here = canvas.colours(cells + np.append(window(canvas.stride, 1, 1), 0)[:, None]).mean(axis=1)
+    off = np.abs(here[:, :, None] - colours[:, None]).max(axis=0).min(axis=1, initial=np.inf)
+    explained = np.mean(off <= noise)
+    return bool(explained > EXPLAINED and np.mean(off <= noise / 2) > GATHERED * explained)
+
+
+def mixing_error(canvas: Canvas, labels: np.ndarray, cells: np.ndarray) -> float:
+    """How far most pixels on edges are from mixes of their two sides, levels; `ROUNDING` if no farther.
+
+    Far in a picture of few colours that took the place of the mixes, as in a GIF.
+
+    Parameters
+    ----------
+    labels : ndarray of shape (P,)
+        Known labels with the rim, negative where unknown.
+    cells : ndarray of shape (N,)
+        Pixels that are no plateaus.
+    """
+    cells = cells[labels[cells] < 0]
+    cells = cells[::max(1, cells.size // _SAMPLE)]
+    if np.unique(canvas.keys[cells]).size > REDUCED:
+        return ROUNDING
+    errors = []
+    for step in (1, canvas.stride):
+        for before, after in ((1, 1), (1, 2), (2, 1)):
+            one, other = labels[cells - before * step], labels[cells + after * step]
+            at = cells[(one >= 0) & (other >= 0) & (one != other)]
+            sides = canvas.colours(at - before * step), canvas.colours(at + after * step)
+            errors.append(segment_distance(canvas.colours(at), *sides)[0])
+    error = np.concatenate(errors)
+    # What is farther off belongs to strokes between the two sides.
+    near = error[error < STRONGEST]
+    if near.size < max(_JUDGED, 0.5 * error.size):
+        return ROUNDING
+    return max(ROUNDING, float(np.percentile(near, 75)))
+
+
 def _spans(canvas: Canvas, cells: np.ndarray) -> np.ndarray:
     """How much the colours within 3 x 3 of pixels differ, levels: the largest range of a channel."""
     around = canvas.colours(cells + np.append(window(canvas.stride, 1, 1), 0)[:, None])
@@ -98,7 +161,15 @@ def noisy_colours(canvas: Canvas, plateaus: Plateaus, noise: float) -> np.ndarra
             found.append(centre)
         far = _apart(canvas, keys, mode) > 2 * noise
         keys, spans = keys[far], spans[far]
-    return np.array(found, np.uint32)
+    return _clipped(np.array(found, np.uint32), noise / 6)
+
+
+def _clipped(keys: np.ndarray, margin: float) -> np.ndarray:
+    """Packed colours with channels at 0 or 255 that are nearly so, which is by far the most likely value there."""
+    rgba = unpack(keys).copy()
+    rgba[..., :3][rgba[..., :3] <= margin] = 0
+    rgba[rgba >= 255 - margin] = 255
+    return rgba.view(np.uint32)[:, 0]
 
 
 def _centre(keys: np.ndarray, noise: float) -> np.uint32:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional, Tuple
 
 from .swatches import RGB, colours_of, palette_text
 
@@ -176,7 +176,7 @@ PRESETS: Dict[str, Dict[str, Any]] = {
     "logo": dict(colors=8, merge=6.0, speckle=8.0, tolerance=0.3),
     "line-art": dict(regions="black-white"),
     "pixel-art": dict(regions="pixels", curves="crisp"),
-    "photo": dict(regions="areas", areas=3000, tolerance=0.5),
+    "photo": dict(regions="areas", areas=2500, tolerance=0.8),
     "paper": dict(regions="threshold", cost="paper", flips="everywhere", positions="barycentres",
                   curves="quadratic", suppression=1),
 }
@@ -192,8 +192,30 @@ def _check(name: str, value: Any, default: Any, meta: Any) -> None:
         return
     kinds = (int,) if isinstance(default, int) else (int, float)
     if isinstance(value, bool) or not isinstance(value, kinds):
-        kind = "a whole number" if kinds == (int,) else "a number"
-        raise TypeError(f"{name} must be {kind}, not {value!r}")
+        raise TypeError(f"{name} must be {_wanted(default, meta)}, not {value!r}")
     if not math.isfinite(value) or not meta["low"] <= value <= meta["high"]:
-        unit = f" {meta['unit']}" if meta["unit"] else ""
-        raise ValueError(f"{name} must be between {meta['low']:g} and {meta['high']:g}{unit}, not {value}")
+        raise ValueError(f"{name} must be {_between(meta)}, not {value}")
+
+
+def _wanted(default: Any, meta: Any) -> str:
+    return f"{'a whole number' if isinstance(default, int) else 'a number'} {_between(meta)}"
+
+
+def _between(meta: Any) -> str:
+    unit = f" {meta['unit']}" if meta["unit"] else ""
+    return f"between {meta['low']:g} and {meta['high']:g}{unit}"
+
+
+def reader(default: Any, meta: Any) -> Callable[[str], Any]:
+    """What makes the value of a setting from text, for the argument parsers of the program and the extension."""
+    def read(text: str) -> Any:
+        try:
+            return type(default)(text)
+        except ValueError:
+            from argparse import ArgumentTypeError
+
+            raise ArgumentTypeError(f"must be {_wanted(default, meta)}, not {text!r}") from None
+
+    # By this name inkex tells what kind of setting it is.
+    read.__name__ = type(default).__name__
+    return read

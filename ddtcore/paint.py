@@ -18,6 +18,12 @@ from .sides import window
 _FEW = 16
 """Regions with fewer pixels off their border are judged by those that stand out most."""
 
+_ENOUGH = 1 << 18
+"""Pixels that are as good as all of a region."""
+
+_ROWS = 256
+"""Rows of the picture worked on at a time."""
+
 _LEAST = 4
 """Regions with fewer pixels that stand out are judged by all their pixels."""
 
@@ -74,7 +80,8 @@ def find_gradients(image: np.ndarray, labels: Labels) -> Labels:
         if narrow:
             chosen = part[strong[part]]
             chosen = chosen if len(chosen) >= _LEAST else part
-        samples = Samples(pixels.points[chosen], colour[chosen, :3 if opaque else 4], np.ones(len(chosen)))
+        count = np.full(len(chosen), len(part) / len(chosen))
+        samples = Samples(pixels.points[chosen], colour[chosen, :3 if opaque else 4], count)
         gradients[label] = fit_gradient(samples, pixels.points[part], straight=narrow)
     return replace(labels, gradients=tuple(gradients))
 
@@ -124,8 +131,8 @@ def face_paints(image: np.ndarray, labels: Labels, planar: PlanarMap, options: T
     flat = [Paint((r, g, b), a / 255) if a else NOTHING for r, g, b, a in rgba]
     paints = [NOTHING] + [flat[label] for label in planar.face_labels[1:].tolist()]
     if labels.ramp is not None and labels.ramp.any():
-        labels = labels if labels.gradients else find_gradients(image, labels)
         soft = labels.ramp[planar.face_labels]
+        labels = labels if labels.gradients else find_gradients(image, labels)
         soft[0] = False
         for face, paint in _soft_paints(image, labels, planar, soft):
             paints[face] = paint
@@ -142,8 +149,8 @@ class _Pixels(NamedTuple):
 
     @classmethod
     def of(cls, regions: np.ndarray, some: np.ndarray) -> _Pixels:
-        """The pixels in an array (H, W) of the regions that are set in a mask."""
-        cells = np.flatnonzero(some[regions])
+        """The pixels in an array (H, W) of the regions that are set in a mask; of large ones, some."""
+        cells = _chosen(regions, some)
         row, col = np.divmod(cells, regions.shape[1])
         points = np.stack([col + 0.5, row + 0.5], axis=1)
         return cls(cells, points, regions.ravel()[cells], surrounded(regions).ravel()[cells])
@@ -157,6 +164,26 @@ class _Pixels(NamedTuple):
     def colours(self, image: np.ndarray) -> np.ndarray:
         """Their premultiplied colours in a uint8 picture (H, W, 4)."""
         return premultiply(image.reshape(-1, 4)[self.cells].astype(np.float64))
+
+
+def _chosen(regions: np.ndarray, some: np.ndarray) -> np.ndarray:
+    """Numbers of the pixels of some regions; of the largest, those of every n-th row and column."""
+    width = regions.shape[1]
+    size = sum(np.bincount(row, minlength=len(some)) for row in _strips(regions.ravel(), width))
+    step = np.maximum(np.sqrt(size / _ENOUGH).astype(np.int32), 1)
+    chosen = []
+    for number, strip in enumerate(_strips(regions.ravel(), width)):
+        cells = np.flatnonzero(some[strip])
+        row, col = np.divmod(cells, width)
+        each = step[strip[cells]]
+        kept = ((row + number * _ROWS) % each == 0) & (col % each == 0)
+        chosen.append(cells[kept] + number * _ROWS * width)
+    return np.concatenate(chosen)
+
+
+def _strips(values: np.ndarray, width: int) -> Iterator[np.ndarray]:
+    """The values of some rows after the other: what is computed of them needs little memory."""
+    return (values[start:start + _ROWS * width] for start in range(0, len(values), _ROWS * width))
 
 
 def surrounded(values: np.ndarray) -> np.ndarray:
@@ -221,10 +248,11 @@ def _soft_paints(image: np.ndarray, labels: Labels, planar: PlanarMap,
     """Paints of the faces of ramps: the ramp's gradient, or the face's own colour if that is nearer."""
     pixels = _Pixels.of(planar.pixel_faces, soft)
     colour, face = pixels.colours(image), pixels.region
-    sure = pixels.inside | (np.bincount(face, pixels.inside)[face] < _FEW)
+    sure = pixels.inside | _strongest(image, planar.pixel_faces, pixels)
     flat = _means(colour, face, sure)
     model = local_colours(labels, planar.face_labels[face], pixels.points)
-    gradients = [labels.gradients[label] for label in planar.face_labels.tolist()]
+    known = labels.gradients or (None,) * len(labels.palette)
+    gradients = [known[label] for label in planar.face_labels.tolist()]
     better = _errors(colour - model, face, sure) < _errors(colour - flat[face], face, sure)
     better &= np.array([gradient is not None for gradient in gradients])[:len(better)]
     mean = np.where(better[:, None], _means(model, face, np.ones_like(sure)), flat)

@@ -37,6 +37,9 @@ ELBOWS = 3
 HARD = 0.95
 """Share of palette colours among the pixels that are no plateaus from which edges count as hard."""
 
+_CHUNK = 1 << 18
+"""Pixels looked at together."""
+
 _WEIGHED = 48
 _SAMPLE = 1 << 12
 _FEW = 1 << 14
@@ -213,12 +216,18 @@ def known_labels(canvas: Canvas, plateaus: Plateaus, keys: np.ndarray, noise: fl
     plain = ~(is_mixed(colours, colours) | _has_twin(colours))
     plain[_WEIGHED:] = False
     cells = canvas.cells(~plateaus.core | (canvas.bare(labels) < 0))
-    sure = (labels[cells] >= 0) & plain[labels[cells]]
-    sure &= (labels[cells] == labels[cells + window(canvas.stride, 1, 1)[:, None]]).any(axis=0)
-    if np.count_nonzero(labels[cells] >= 0) > HARD * cells.size:
-        sure = labels[cells] >= 0
-    labels[cells] = _nearest_within(canvas, cells, colours, noise)
-    sure |= (labels[cells] >= 0) & _in_block(labels, cells, canvas.stride)
+    here = labels[cells]
+    sure = here >= 0
+    if np.count_nonzero(sure) <= HARD * cells.size:
+        asked = np.flatnonzero(sure & plain[here])
+        sure[:] = False
+        sure[asked] = _touches_equal(labels, cells[asked], canvas.stride)
+    for start in range(0, cells.size, _CHUNK):
+        part = slice(start, start + _CHUNK)
+        here[part] = _nearest_within(canvas, cells[part], colours, noise)
+    labels[cells] = here
+    asked = np.flatnonzero(~sure & (here >= 0))
+    sure[asked] = _in_block(labels, cells[asked], canvas.stride)
     labels[cells[~sure]] = -1
     return labels
 
@@ -255,6 +264,15 @@ def _nearest_within(canvas: Canvas, cells: np.ndarray, colours: np.ndarray, marg
         nearer = off < least
         label[nearer], least[nearer] = k, off[nearer]
     return label
+
+
+def _touches_equal(labels: np.ndarray, cells: np.ndarray, stride: int) -> np.ndarray:
+    """Which pixels have the label of one of their eight neighbours."""
+    here = labels[cells]
+    equal = np.zeros(cells.size, bool)
+    for step in window(stride, 1, 1):
+        equal |= labels[cells + step] == here
+    return equal
 
 
 def _in_block(labels: np.ndarray, cells: np.ndarray, stride: int) -> np.ndarray:

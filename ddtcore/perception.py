@@ -33,7 +33,7 @@ def oklab(rgb: np.ndarray) -> np.ndarray:
 
     Examples
     --------
-    >>> np.abs(oklab(np.array([255, 255, 255])) - [1, 0, 0]).max() < 1e-6
+    >>> bool(np.abs(oklab(np.array([255, 255, 255])) - [1, 0, 0]).max() < 1e-6)
     True
     """
     value = np.asarray(rgb, np.float64) / 255

@@ -13,6 +13,7 @@ from typing import Callable, Optional, Tuple
 import numpy as np
 
 from . import (
+    bands,
     border,
     choice,
     fit,
@@ -97,14 +98,8 @@ def _original(image: np.ndarray, options: TraceOptions) -> Tuple[np.ndarray, int
 def _draw(image: np.ndarray, labels: Labels, options: TraceOptions, begin: Callable[[str], None]) -> Drawing:
     """All that comes after the labels; what no later stage needs is let go."""
     begin("gradients")
-    labels = paint.find_gradients(image, labels)
     opaque = bool((image[..., 3] == 255).all())
-    if options.regions == "black-white":
-        image, labels = ink.separate(image, labels)
-    image, labels = recolour.recolour(image, labels, options)
-    painted = labels
-    if options.background == "drop":
-        labels, painted = recolour.part_background(labels)
+    image, labels, painted = _paint(image, labels, options)
     even = flatten.flatten(image, labels)
     begin("triangles")
     crisp = options.curves == "crisp" and options.result in ("outlines", "curves")
@@ -112,25 +107,36 @@ def _draw(image: np.ndarray, labels: Labels, options: TraceOptions, begin: Calla
     mesh = triangulate(even, labels, options)
     notes = () if mesh.finished else (UNFINISHED,)
     if options.result in ("triangles", "border"):
-        drawing = border.draw_mesh(image, labels, mesh, options)
+        return replace(border.draw_mesh(image, labels, mesh, options), notes=notes)
+    begin("outlines")
+    planar, times = outline.link_outlines(mesh, labels), 1
+    begin("positions")
+    if crisp:
+        times = lattice.parts(planar.pixel_faces.shape)
+        planar, lines, curves = lattice.magnified(planar, *lattice.along_pixels(mesh, planar), times)
     else:
-        begin("outlines")
-        planar = outline.link_outlines(mesh, labels)
-        begin("positions")
-        if crisp:
-            times = lattice.parts(planar.pixel_faces.shape)
-            planar, lines, curves = lattice.magnified(planar, *lattice.along_pixels(mesh, planar), times)
-        else:
-            lines = position.place(even, labels, mesh, planar, options)
-            del mesh
-            begin("curves")
-            curves = fit.fit_arcs(even, labels, planar, lines, options)
-        del even
-        begin("shapes")
-        drawing = stacking.stack(image, painted, planar, lines, curves, options)
-        if crisp:
-            drawing = enlarge(drawing, 1 / times, image.shape[1], image.shape[0])
-        if options.regions == "black-white" and opaque:
-            drawing = ink.on_paper(drawing, options)
-        drawing = grouping.group(drawing, options)
+        lines = position.place(even, labels, mesh, planar, options)
+        del mesh
+        begin("curves")
+        curves = fit.fit_arcs(even, labels, planar, lines, options)
+    del even
+    begin("shapes")
+    drawing = stacking.stack(image, painted, planar, lines, curves, options)
+    if times > 1:
+        drawing = enlarge(drawing, 1 / times, image.shape[1], image.shape[0])
+    if options.regions == "black-white" and opaque:
+        drawing = ink.on_paper(drawing, options)
+    drawing = grouping.group(drawing, options)
     return replace(drawing, notes=(*drawing.notes, *notes))
+
+
+def _paint(image: np.ndarray, labels: Labels, options: TraceOptions) -> Tuple[np.ndarray, Labels, Labels]:
+    """The picture and its labels in the colours that are wanted, and the labels with what isn't painted."""
+    labels = paint.find_gradients(image, labels)
+    if options.regions == "black-white":
+        image, labels = ink.separate(image, labels)
+    image, labels = bands.level(image, labels, options)
+    image, labels = recolour.recolour(image, labels, options)
+    if options.background == "drop":
+        return (image, *recolour.part_background(labels))
+    return image, labels, labels

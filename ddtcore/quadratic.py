@@ -65,8 +65,8 @@ def _thin_out(points: np.ndarray, ring: bool, suppression: int) -> np.ndarray:
         bend[[0, -1]] = True
     kept = points[bend]
     if ring:
-        thinned = kept[::suppression + 1]
-        return thinned if len(thinned) >= 3 else kept
+        # Of a ring smaller than those thirds nothing might be left.
+        return next((some for some in (kept[::suppression + 1], kept) if len(some) >= 3), points)
     inner = kept[1:-1][suppression // 2::suppression + 1]
     return np.concatenate([kept[:1], inner, kept[-1:]])
 

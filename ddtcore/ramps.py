@@ -9,12 +9,15 @@ pair of similar flat colours by its many levels.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Tuple
 
 import numpy as np
 
-from .canvas import Canvas
-from .components import label_components, link_components
+from .canvas import Canvas, planes
+from .components import label_components, linked_areas
+from .gradient import BYTES, PRICE
+from .model import Labels
 from .sides import window
 
 STEP = 16.0
@@ -37,6 +40,9 @@ PIECE = 200
 
 SOFT = 14.0
 """How far the colour of a piece may be from the ramp near it, levels."""
+
+SLOPES = 40
+"""Most gradients of a photograph."""
 
 SLOPING = 0.02
 """Smallest share of a ramp's pixels that differ from a neighbour."""
@@ -77,9 +83,10 @@ def find_ramps(canvas: Canvas) -> Tuple[np.ndarray, int]:
 def _number(ramps: np.ndarray, count: int, right: np.ndarray, down: np.ndarray, sloped: np.ndarray,
             key: np.ndarray) -> int:
     """Number the areas of linked pixels that are ramps, in place; returns how many ramps there are then."""
-    area = link_components(right, down)
-    chosen = _many_levels(area, sloped, key)
-    number = np.full(int(area.max()) + 1, -1, np.int32)
+    area, size = linked_areas(right, down)
+    chosen = _many_levels(area, size, sloped, key)
+    # The last place is for the pixels that are in no area.
+    number = np.full(size.size + 1, -1, np.int32)
     number[chosen] = np.arange(count, count + chosen.size)
     number = number[area]
     ramps[number >= 0] = number[number >= 0]
@@ -112,7 +119,7 @@ def _add_narrow(canvas: Canvas, ramps: np.ndarray, count: int, uneven: np.ndarra
     apart[near[near >= 0]] = False
     number = np.append(np.where(apart, count + np.cumsum(apart) - 1, -1), -1)[more]
     ramps[number >= 0] = number[number >= 0]
-    return count + np.count_nonzero(apart)
+    return count + int(np.count_nonzero(apart))
 
 
 def _is_plane(canvas: Canvas, cells: np.ndarray) -> np.ndarray:
@@ -121,7 +128,7 @@ def _is_plane(canvas: Canvas, cells: np.ndarray) -> np.ndarray:
     plane = np.ones(cells.size, bool)
     for step in (1, canvas.stride, canvas.stride + 1, canvas.stride - 1):
         before, after = canvas.colours(cells - step), canvas.colours(cells + step)
-        plane &= np.abs(before + after - 2 * here).max(axis=0) <= BEND
+        plane &= is_straight(before, here, after)
         plane &= np.abs(after - here).max(axis=0) <= STEP
     return plane
 
@@ -152,17 +159,27 @@ def _even_steps(canvas: Canvas, equal: np.ndarray, step: int) -> np.ndarray:
 def is_even(before: np.ndarray, here: np.ndarray, there: np.ndarray, after: np.ndarray) -> np.ndarray:
     """Whether four pixels in a row (C, N) change by small and even steps."""
     even = np.abs(there - here).max(axis=0) <= STEP
-    even &= np.abs(before + there - 2 * here).max(axis=0) <= BEND
-    even &= np.abs(here + after - 2 * there).max(axis=0) <= BEND
+    even &= is_straight(before, here, there)
+    even &= is_straight(here, there, after)
     return even
 
 
-def _many_levels(area: np.ndarray, sloped: np.ndarray, key: np.ndarray) -> np.ndarray:
+def is_straight(before: np.ndarray, here: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """Whether the colour changes alike on both sides of pixels (C, N), but for what rounding makes of it."""
+    off = np.abs(before + after - 2 * here)
+    if len(off) == 4:
+        # Where there is alpha, colours have been rounded twice.
+        off[:3] /= 2
+    return off.max(axis=0) <= BEND
+
+
+def _many_levels(area: np.ndarray, size: np.ndarray, sloped: np.ndarray, key: np.ndarray) -> np.ndarray:
     """Numbers of the areas that have the size, the slopes and the levels of a ramp."""
-    size = np.bincount(area.ravel())
-    here = area[sloped]
+    cells = np.flatnonzero(sloped)
+    cells = cells[area.ravel()[cells] >= 0]
+    here, level = area.ravel()[cells], key[np.divmod(cells, key.shape[1])]
     slopes = np.bincount(here, minlength=size.size)
-    pairs = np.unique(here.astype(np.uint64) << np.uint64(32) | key[sloped])
+    pairs = np.unique(here.astype(np.uint64) << np.uint64(32) | level)
     levels = np.bincount((pairs >> np.uint64(32)).astype(np.intp), minlength=size.size)
     chosen = np.flatnonzero((size >= AREA) & (levels >= LEVELS) & (slopes >= SLOPING * size))
     return np.sort(chosen[np.argsort(-size[chosen], kind="stable")[:MANY]])
@@ -190,3 +207,28 @@ def absorb_pieces(canvas: Canvas, labels: np.ndarray, slopes: np.ndarray) -> Non
     plateau = plateau[small]
     share = np.bincount(plateau, like, size.size) / size
     labels[cells[share[plateau] >= 0.5]] = -1
+
+
+def mark_slopes(canvas: Canvas, labels: Labels) -> Labels:
+    """Take the areas of a photograph for ramps whose colours a slope explains best, if that pays.
+
+    Parameters
+    ----------
+    canvas : Canvas
+    labels : Labels
+        One label for each area.
+    """
+    index, count = labels.index.ravel(), len(labels.palette)
+    row, col = np.divmod(np.arange(index.size, dtype=np.int32), labels.index.shape[1])
+    size = np.maximum(np.bincount(index, minlength=count), 1)
+    x, y = (place - (np.bincount(index, place, count) / size)[index] for place in (col, row))
+    xx, xy, yy = (np.bincount(index, product, count) for product in (x * x, x * y, y * y))
+    det = np.maximum(xx * yy - xy * xy, 1e-6 * (xx + yy + 1) ** 2)
+    gain = np.zeros(count)
+    for plane in planes(canvas.bare(canvas.keys), canvas.opaque):
+        along, down = (np.bincount(index, place * plane.ravel(), count) for place in (x, y))
+        gain += (yy * along * along - 2 * xy * along * down + xx * down * down) / det
+    best = np.argsort(-gain, kind="stable")[:SLOPES]
+    ramp = np.zeros(count, bool)
+    ramp[best] = gain[best] > 2 * PRICE * BYTES
+    return replace(labels, ramp=ramp)

@@ -118,6 +118,8 @@ def _fill(starts: np.ndarray, points: np.ndarray, left: np.ndarray, right: np.nd
     after = np.where(down, left[owner], right[owner])
     order = np.argsort(row * (2.0 * cols) + np.clip(x, 0, cols), kind="stable")
     at = ((row + 1) * (cols + 2) + 1 + np.clip(np.ceil(x), 0, cols).astype(np.int64))[order]
+    # Far from the origin two that all but touch may be sorted the wrong way round.
+    at = np.maximum.accumulate(at)
     # Both ends of a run agree unless arcs cross, and then the lower one is the safe one.
     nothing = left.dtype.type(-1)
     run = np.minimum(np.append(nothing, after[order]), np.append(before[order], nothing))

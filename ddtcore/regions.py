@@ -16,7 +16,7 @@ import numpy as np
 from . import areas, margins, merging, overlays, palette, ramps, sides, strokes, surfaces
 from .canvas import Canvas, mean_colours, planes, prepare, unpack
 from .model import Gradient, Labels
-from .noise import ROUNDING, SPECK, noise_level, noisy_colours
+from .noise import ROUNDING, SPECK, is_grainy, mixing_error, noise_level, noisy_colours
 from .options import TraceOptions
 from .posterise import MOST_REGIONS, is_noisy, posterise
 from .sprites import label_sprite
@@ -27,6 +27,9 @@ MANY = 40
 
 DITHER = 0.003
 """Share of specks among the pixels that are no plateaus, from which a picture counts as dithered."""
+
+QUANTISED = 3.5
+"""Error of the mixes on edges from which a picture's colours count as reduced, levels."""
 
 CONTRAST = 48.0
 """A speck that differs by more than this from its surroundings is no ripple, levels."""
@@ -52,8 +55,8 @@ def label_pixels(image: np.ndarray, options: TraceOptions) -> Labels:
     elif options.regions == "pixels":
         labels = label_sprite(canvas)
     elif options.regions == "areas":
-        labels = areas.label_areas(canvas, options.areas or MOST_REGIONS)
-    elif is_noisy(canvas):
+        labels = ramps.mark_slopes(canvas, areas.label_areas(canvas, options.areas or MOST_REGIONS))
+    elif is_noisy(canvas) and not is_grainy(canvas):
         labels = posterise(canvas, options.colors or MANY)
     else:
         labels = label_flat_art(canvas)
@@ -89,8 +92,10 @@ def label_flat_art(canvas: Canvas) -> Labels:
 
     labels = palette.known_labels(canvas, plateaus, keys, noise)
     cells = canvas.cells(~plateaus.core & (slopes < 0))
-    ridges = strokes.find_ridges(canvas, cells, noise)
-    more = strokes.new_colours(canvas, cells, ridges, planes(keys, canvas.opaque), labels, noise)
+    doubt = max(noise, mixing_error(canvas, labels, cells))
+    rippled |= doubt > QUANTISED
+    ridges = strokes.find_ridges(canvas, cells, doubt)
+    more = strokes.new_colours(canvas, cells, ridges, planes(keys, canvas.opaque), labels, doubt)
     if noise <= ROUNDING and not count:
         more = np.append(more, palette.unmixed_colours(canvas, plateaus, np.append(keys, more)))
     if more.size:
@@ -102,10 +107,11 @@ def label_flat_art(canvas: Canvas) -> Labels:
         canvas.bare(labels)[slopes >= 0] = slopes[slopes >= 0] + keys.size
         colours = np.concatenate([colours, mean_colours(canvas, slopes)])
 
-    thin, specks = _label_unknown(canvas, labels, ridges, keys, colours, noise)
+    thin, specks = _label_unknown(canvas, labels, ridges, keys, colours, doubt)
     result = Labels(index=np.ascontiguousarray(canvas.bare(labels)), palette=colours,
                     thin=np.ascontiguousarray(canvas.bare(thin)), ramp=np.arange(len(colours)) >= keys.size,
                     gradients=(*[None] * keys.size, *gradients[:count]))
+    result = merging.merge_twins(result, canvas.mixing(colours))
     if specks > DITHER * cells.size + 10:
         return merging.merge_specks(result, SPECK)
     return _merge_ripples(canvas, result, noise) if rippled else merging.drop_unused(result)

@@ -33,6 +33,8 @@ class Report:
         Sizes of the 24-bit bitmap, the triangles, the curves and the compressed curves.
     counts : dict
         Triangles, flips, border triangles, outlines, curves.
+    choice : str
+        The preset that was chosen for the picture, and why; "" if none was to be chosen.
     """
 
     name: str
@@ -43,12 +45,14 @@ class Report:
     svg: int
     svgz: int
     counts: Dict[str, int]
+    choice: str = ""
 
     def to_text(self) -> str:
         """A table for people."""
         sizes = [("24-bit BMP", self.bmp), ("DDT SVG", self.ddt_svg), ("SVG", self.svg), ("SVGZ", self.svgz)]
         ratios = [("BMP / SVG", self.bmp / self.svg), ("DDT SVG / SVGZ", self.ddt_svg / self.svgz)]
         lines = [f"{self.name}, {self.width} x {self.height} px"]
+        lines += [f"  preset: {self.choice}"] if self.choice else []
         lines += [f"  {label:<20}{size:>15,} bytes" for label, size in sizes]
         lines += [f"  {label:<20}{ratio:>15,.1f}" for label, ratio in ratios]
         lines += [f"  {label:<20}{count:>15,}" for label, count in self.counts.items()]
@@ -57,7 +61,7 @@ class Report:
     def to_dict(self) -> Dict[str, Any]:
         """The same for programs; JSON can hold it."""
         return {
-            "picture": self.name, "width": self.width, "height": self.height,
+            "picture": self.name, "width": self.width, "height": self.height, "choice": self.choice,
             "bytes": {"bmp": self.bmp, "ddt_svg": self.ddt_svg, "svg": self.svg, "svgz": self.svgz},
             "ratios": {"bmp/svg": self.bmp / self.svg, "ddt_svg/svgz": self.ddt_svg / self.svgz},
             "counts": dict(self.counts)}
@@ -103,4 +107,4 @@ def report(image: np.ndarray, options: Optional[TraceOptions] = None,
         ddt_svg=sum(map(len, encoded(mesh))),
         svg=sum(map(len, encoded(curves))),
         svgz=sum(map(len, encoded(curves, compressed=True))),
-        counts={**mesh.counts, **curves.counts})
+        counts={**mesh.counts, **curves.counts}, choice=curves.choice)

@@ -2,8 +2,9 @@
 """Pixel art: every pixel counts, and enlarged pixels are pixels.
 
 An enlarged sprite is reduced to its own size first.  Each colour is a label.  Where two
-colours cross like a chessboard, the one that is rarer there stays connected, as the
-figure on a ground (Kopf and Lischinski, "Depixelizing pixel art", SIGGRAPH 2011).
+colours cross like a chessboard, a figure stays connected and the ground does not; between
+figures, the one that is rarer there (Kopf and Lischinski, "Depixelizing pixel art", ACM
+Transactions on Graphics 30, 2011).
 """
 
 from __future__ import annotations
@@ -57,23 +58,40 @@ def label_sprite(canvas: Canvas) -> Labels:
     """One label for each colour; what is to stay connected at crossings counts as thin."""
     own, index = np.unique(canvas.bare(canvas.keys), return_inverse=True)
     index = np.ascontiguousarray(index.reshape(canvas.shape), np.int32)
-    return Labels(index, unpack(own).astype(np.float64), figures_at_crossings(index))
+    palette = unpack(own).astype(np.float64)
+    clear = np.flatnonzero(palette[:, 3] == 0)
+    rim = np.bincount(np.concatenate([index[0], index[-1], index[:, 0], index[:, -1]]))
+    ground = int(clear[0] if clear.size else np.argmax(rim))
+    return Labels(index, palette, figures_at_crossings(index, ground))
 
 
-def figures_at_crossings(index: np.ndarray) -> np.ndarray:
-    """Pixels of the rarer colour where two colours cross, bool (H, W)."""
+def figures_at_crossings(index: np.ndarray, ground: int) -> np.ndarray:
+    """Pixels that stay connected where two colours cross.
+
+    Parameters
+    ----------
+    index : ndarray of shape (H, W) and an integer dtype
+        Number of the colour of each pixel.
+    ground : int
+        The colour behind the figures; of two others the one that is rarer nearby stays connected.
+
+    Returns
+    -------
+    ndarray of shape (H, W) and dtype bool
+    """
     figure = np.zeros(index.shape, bool)
     a, b, c, d = index[:-1, :-1], index[:-1, 1:], index[1:, :-1], index[1:, 1:]
     row, col = np.nonzero((a == d) & (b == c) & (a != b))
     if not row.size:
         return figure
-    reach = np.arange(1 - AROUND, AROUND + 1)
-    rows = np.clip(row[:, None] + reach, 0, index.shape[0] - 1)
-    cols = np.clip(col[:, None] + reach, 0, index.shape[1] - 1)
-    around = index[rows[:, :, None], cols[:, None, :]]
+    reach = np.arange(2 * AROUND)
+    framed = np.pad(index, AROUND - 1, mode="constant", constant_values=-1)
+    around = framed[row[:, None, None] + reach[:, None], col[:, None, None] + reach]
     falling, rising = a[row, col], b[row, col]
-    fewer = (around == falling[:, None, None]).sum(axis=(1, 2)) - (around == rising[:, None, None]).sum(axis=(1, 2))
-    for chosen, side in ((fewer < 0, 0), (fewer > 0, 1)):
+    more = ((around == falling[:, None, None]).sum(axis=(1, 2))
+            - (around == rising[:, None, None]).sum(axis=(1, 2)))
+    more[falling == ground], more[rising == ground] = 1, -1
+    for chosen, side in ((more < 0, 0), (more > 0, 1)):
         figure[row[chosen], col[chosen] + side] = True
         figure[row[chosen] + 1, col[chosen] + 1 - side] = True
     return figure

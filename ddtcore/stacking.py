@@ -110,6 +110,7 @@ def _continued(loops: FaceLoops, planar: PlanarMap, order: Order, curves: Curves
     loops = rotate(loops, covered)
     places, hidden = _hidden_stretches(loops, covered, planar, order, samples)
     starts, points = take_shortcuts(*hidden_lines(hidden, ranks), hidden.rank, ranks)
+    points = np.clip(points, 0, planar.pixel_faces.shape[::-1])
     control, degree = _reversible(curves.control), both_ways(curves.degree)
     first, count = (side[loops.halves] for side in half_ranges(curves.starts))
     count[covered[loops.halves]] = 0

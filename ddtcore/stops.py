@@ -26,7 +26,7 @@ BINS = 128
 _PLACES = 16
 """Parts into which the gradient is divided to try places for stops, before they are moved to the best ones."""
 
-_STEPS = 12
+_STEPS = 7
 """Most Gauss-Newton steps of the stops."""
 
 _GAP = 1 / 1024
@@ -146,7 +146,7 @@ def _settled(bins: Profile, knots: np.ndarray) -> Tuple[np.ndarray, float]:
         if ahead[0] >= error[0]:
             damping *= 20
             continue
-        done = ahead[0] > 0.995 * error[0]
+        done = ahead[0] > 0.98 * error[0]
         knots, values, error, damping = moved, values_there, ahead, damping / 10
         if done:
             break
@@ -168,11 +168,10 @@ def _pull(bins: Profile, knots: np.ndarray, values: np.ndarray) -> Tuple[np.ndar
     before, after = np.concatenate([none, slope]), np.concatenate([slope, none])
     passed = (bins.place[:, None] > knots)[..., None]
     change = -share[..., None] * np.where(passed, after, before)
-    matrix, pull = 0.0, 0.0
-    for one in {0: slice(0, 3), 3: slice(3, 4)}.values():
+    matrix, pull = np.zeros((len(knots), len(knots))), np.zeros(len(knots))
+    # Red, green and blue have one weight, and alpha has another one.
+    for one in (slice(0, 3), slice(3, 4))[:1 + (values.shape[1] > 3)]:
         weight = bins.weight[:, one][:, :1]
-        if not weight.size:
-            continue
         held = (weight * share).T
         inner = held.dot(share) + _STIFF * weight.sum() * np.eye(len(knots))
         move = change[..., one].reshape(len(share), -1)

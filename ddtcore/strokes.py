@@ -14,7 +14,7 @@ from typing import Tuple
 
 import numpy as np
 
-from .canvas import Canvas
+from .canvas import Canvas, planes, unpack
 from .mixes import dot, excess, length, segment_distance, third_share
 from .noise import ROUNDING
 from .sides import window
@@ -27,6 +27,12 @@ FAINT = 0.16
 
 FAINTER = 0.09
 """Smallest coverage of a pixel that continues a stroke."""
+
+PURE = 8
+"""How far from black or white the fullest pixel of a black or white stroke may be, levels."""
+
+TWIN = 8.0
+"""How far a new colour has to be from those known, levels."""
 
 COLOURS = 32
 """How many colours are weighed for strokes."""
@@ -131,7 +137,7 @@ def new_colours(canvas: Canvas, cells: np.ndarray, ridges: Ridges, colours: np.n
 
     The ridge pixel that stands out most among those no colour explains has nearly the
     colour of its stroke; it is taken if it explains others near it as well and the
-    colours round it do not mix to it.  Exact is the value most frequent close to it.
+    colours round it do not mix to it.  Exact is a frequent value close to it.
 
     Parameters
     ----------
@@ -143,11 +149,8 @@ def new_colours(canvas: Canvas, cells: np.ndarray, ridges: Ridges, colours: np.n
         Known labels with the rim, negative where unknown.
     """
     doubt = noise - ROUNDING
-    if colours.shape[1]:
-        beside, _ = third_share(ridges.colour, ridges.one, ridges.other, colours)
-        limit = np.maximum(0.4 * ridges.height, 30 + 2 * doubt)
-        ridges = ridges.some(np.flatnonzero(beside.min(axis=1) >= limit))
-    found, around = [], canvas.colours(cells) if ridges.cells.size else None
+    ridges = _unexplained(ridges, colours, doubt)
+    found, around = np.zeros(0, np.uint32), canvas.colours(cells) if ridges.cells.size else None
     for _ in range(_TRIES):
         if ridges.cells.size < 4:
             break
@@ -158,11 +161,45 @@ def new_colours(canvas: Canvas, cells: np.ndarray, ridges: Ridges, colours: np.n
         fits[highest] = True
         fit_near = np.count_nonzero(fits & _within_reach(canvas, ridges.cells, cell))
         if fit_near >= 4 + doubt and not _mixed_near(canvas, cell, colours, labels):
-            like = cells[np.abs(around - colour).max(axis=0) < 10 + doubt]
-            values, counts = np.unique(canvas.keys[like], return_counts=True)
-            found.append(values[np.argmax(counts)] if counts.max() > 2 else canvas.keys[cell])
+            like = canvas.keys[cells[np.abs(around - colour).max(axis=0) < 10 + doubt]]
+            key = _extreme(canvas, like, ridges.off[:, highest], canvas.keys[cell])
+            key = _pure(key, PURE + min(3 * doubt, 2 * PURE))
+            exact = planes(key, canvas.opaque)
+            if (np.abs(exact - colours).max(axis=0) >= TWIN + 2 * doubt).all():
+                found, colours = np.append(found, key), np.append(colours, exact, axis=1)
         ridges = ridges.some(np.flatnonzero(~fits))
-    return np.array(found, np.uint32)
+    return found
+
+
+def _unexplained(ridges: Ridges, colours: np.ndarray, doubt: float) -> Ridges:
+    """The ridge pixels that mixes with no known colour explain: the better, the surer their two sides are."""
+    if not colours.shape[1]:
+        return ridges
+    beside, _ = third_share(ridges.colour, ridges.one, ridges.other, colours)
+    trust = np.where(_is_any(ridges.one, colours) & _is_any(ridges.other, colours), 0.2, 0.4)
+    return ridges.some(np.flatnonzero(beside.min(axis=1) >= np.maximum(trust * ridges.height, 30 + 2 * doubt)))
+
+
+def _pure(keys: np.ndarray, margin: float) -> np.ndarray:
+    """Packed colours with those that are nearly black or white made so: no pixel of a thin stroke is full."""
+    rgba = unpack(keys).copy()
+    for end in (0, 255):
+        rgba[(np.abs(rgba[:, :3].astype(int) - end) <= margin).all(axis=1), :3] = end
+    return rgba.view(np.uint32)[:, 0]
+
+
+def _extreme(canvas: Canvas, keys: np.ndarray, away: np.ndarray, default: np.uint32) -> np.ndarray:
+    """Of several like pixels the packed value (1,) that stands out most among the frequent ones."""
+    values, counts = np.unique(keys, return_counts=True)
+    values = values[counts > max(2, 0.3 * counts.max())]
+    best = values[np.argmax(away @ planes(values, canvas.opaque))] if values.size else default
+    return np.array([best], np.uint32)
+
+
+def _is_any(points: np.ndarray, colours: np.ndarray) -> np.ndarray:
+    """Which points (C, N) are, but for rounding, one of the colours (C, K), bool (N,)."""
+    square = dot(points, points)[:, None] - 2 * points.T @ colours + dot(colours, colours)
+    return square.min(axis=1) < (2 * ROUNDING) ** 2
 
 
 def _within_reach(canvas: Canvas, cells: np.ndarray, cell: int) -> np.ndarray:

@@ -39,8 +39,17 @@ REACH = 32
 _CELLS = 1 << 15
 """A ramp with more pixels than this is parted at a lower resolution."""
 
+_WORK = 8
+"""The windows in which ramps are parted, and extended, have this many times the area of the picture at most."""
+
 _BEYOND = 1.5
 """How far beyond its ramp a gradient goes on, px."""
+
+_NEAR = 3
+"""How near ramps come that a stop may lie between, px."""
+
+_CONTACT, _TRIES = 8, 64
+"""Fewest pixels where they do so, and how many pairs are tried at most."""
 
 _DEEP = 12
 _ROUNDS = 8
@@ -71,7 +80,7 @@ class Surface(NamedTuple):
 
 
 def separate(canvas: Canvas, ramps: np.ndarray, count: int, free: np.ndarray) -> Tuple[np.ndarray, List[Surface]]:
-    """Part the ramps that no single gradient explains.
+    """Part the ramps that no single gradient explains, and extend all to free pixels.
 
     Parameters
     ----------
@@ -80,6 +89,8 @@ def separate(canvas: Canvas, ramps: np.ndarray, count: int, free: np.ndarray) ->
         Number of the ramp of each pixel, -1 where there is none.
     count : int
         How many there are.
+    free : ndarray of shape (H, W) and dtype bool
+        Pixels that may come to ramps they touch, if they have the colours of those there.
 
     Returns
     -------
@@ -91,62 +102,126 @@ def separate(canvas: Canvas, ramps: np.ndarray, count: int, free: np.ndarray) ->
     """
     out = np.full(ramps.shape, -1, np.int32)
     surfaces: List[Surface] = []
-    for number, window in enumerate(_windows(ramps, count)):
-        mask = ramps[window] == number
-        parts, some = _parted(canvas, mask, window)
-        here = out[window]
+    work = _WORK * ramps.size
+    for cells in _members(ramps, count):
+        whole, good = _whole(canvas, cells)
+        window = _window(cells, ramps.shape, 0)
+        area = (window[0].stop - window[0].start) * (window[1].stop - window[1].start)
+        if good or area > work:
+            parts, some = np.zeros(cells.size, int), [whole]
+        else:
+            work -= area
+            parts, some = _parted(canvas, cells, window, whole)
         for k, surface in enumerate(some):
             if (parts == k).any():
-                here[parts == k] = len(surfaces)
+                out.ravel()[cells[parts == k]] = len(surfaces)
                 surfaces.append(surface)
-    for number, window in enumerate(_windows(out, len(surfaces), REACH)):
-        _grow(canvas, out[window], free[window], window, number, surfaces[number])
+    out, surfaces = _joined(canvas, out, surfaces)
+    _extend(canvas, out, surfaces, free)
     return out, surfaces
 
 
-def _grow(canvas: Canvas, ramps: np.ndarray, free: np.ndarray, window: Tuple[slice, slice], number: int,
-          surface: Surface) -> None:
-    """Extend a ramp to the free pixels connected with it that have its colours, in place."""
-    row, col = np.nonzero(free & (ramps < 0))
-    if not row.size:
-        return
-    row_there, col_there = row + window[0].start, col + window[1].start
-    off = surface.colours(np.stack([col_there, row_there], axis=1) + 0.5) - canvas.colours(
-        canvas.numbers(row_there, col_there)).T
-    fits = np.abs(off).max(axis=1) < FIT
-    more = ramps == number
-    more[row[fits], col[fits]] = True
-    area = label_components(more)
-    own = np.zeros(int(area.max()) + 1, bool)
-    own[area[ramps == number]] = True
-    ramps[more & own[area]] = number
+def _members(ramps: np.ndarray, count: int) -> List[np.ndarray]:
+    """The pixels of each ramp, in reading order."""
+    if not count:
+        return []
+    cells = np.flatnonzero(ramps >= 0)
+    number = ramps.ravel()[cells]
+    size = np.bincount(number, minlength=count)
+    return np.split(cells[np.argsort(number, kind="stable")], np.cumsum(size)[:-1])
 
 
-def _windows(ramps: np.ndarray, count: int, margin: int = 0) -> List[Tuple[slice, slice]]:
-    """Rows and columns within which each ramp lies, and some more on all sides."""
-    row, col = np.nonzero(ramps >= 0)
-    number = ramps[row, col]
-    low, high = np.full((2, count), max(ramps.shape)), np.zeros((2, count), int)
-    for axis, place in enumerate((row, col)):
-        np.minimum.at(low[axis], number, place)
-        np.maximum.at(high[axis], number, place)
-    return [tuple(slice(max(a - margin, 0), b + 1 + margin) for a, b in zip(*ends)) for ends in zip(low.T, high.T)]
+def _window(cells: np.ndarray, shape: Tuple[int, int], margin: int) -> Tuple[slice, slice]:
+    """Rows and columns within which pixels lie, and some more on all sides."""
+    row, col = np.divmod(cells, shape[1])
+    return (slice(max(int(row.min()) - margin, 0), min(int(row.max()) + 1 + margin, shape[0])),
+            slice(max(int(col.min()) - margin, 0), min(int(col.max()) + 1 + margin, shape[1])))
 
 
-def _parted(canvas: Canvas, mask: np.ndarray,
-            window: Tuple[slice, slice]) -> Tuple[np.ndarray, List[Surface]]:
-    """Number of the surface of each pixel, -1 for none, and the surfaces."""
-    full = _ramp(canvas, mask, window, 1)
-    step = int(np.ceil(np.sqrt(np.count_nonzero(mask) / _CELLS)))
-    coarse = full if step == 1 else _ramp(canvas, mask, window, step)
-    whole = _gradient(coarse, coarse.mask)
-    off = _off(coarse, whole)[coarse.mask]
-    if np.mean(off > FIT) < STRANGE:
-        return np.where(mask, 0, -1), [whole]
-    surfaces = _surfaces(coarse, AREA / step**2)
+def _whole(canvas: Canvas, cells: np.ndarray, limit: float = FIT) -> Tuple[Surface, bool]:
+    """The gradient of a ramp, and whether nearly all pixels are nearer to it than a limit."""
+    points, colour = _pixels(canvas, cells[::-(-cells.size // _CELLS)])
+    surface = _gradient(points, colour)
+    return surface, bool(np.mean(np.abs(surface.colours(points) - colour).max(axis=1) > limit) < STRANGE)
+
+
+def _pixels(canvas: Canvas, cells: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Centres (n, 2) and premultiplied colours (n, C) of pixels numbered without a rim."""
+    row, col = np.divmod(cells, canvas.shape[1])
+    return np.stack([col, row], axis=1) + 0.5, canvas.colours(canvas.numbers(row, col)).T
+
+
+def _joined(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface]) -> Tuple[np.ndarray, List[Surface]]:
+    """Join ramps that meet without a jump, where one gradient explains both: a stop lies between them."""
+    members = _members(ramps, len(surfaces))
+    into = list(range(len(surfaces)))
+    for one, other, points in _contacts(ramps, len(surfaces)):
+        one, other = into[one], into[other]
+        off = surfaces[one].colours(points) - surfaces[other].colours(points)
+        if one == other or np.median(np.abs(off).max(axis=1)) > 2 * FIT:
+            continue
+        both = np.concatenate([members[one], members[other]])
+        surface, good = _whole(canvas, both, FIT / 2)
+        if good and surface.gradient is not None:
+            members[one], surfaces[one] = both, surface
+            into = [one if k == other else k for k in into]
+    kept = sorted(set(into))
+    number = np.append([kept.index(k) for k in into], -1).astype(np.int32)
+    return number[ramps], [surfaces[k] for k in kept]
+
+
+def _contacts(ramps: np.ndarray, count: int) -> List[Tuple[int, int, np.ndarray]]:
+    """Pairs of ramps that come near each other, those that do so longest first, and points between them."""
+    codes, points = [], []
+    for axis in (0, 1):
+        for step in range(1, _NEAR + 1):
+            a, b = ((ramps[step:], ramps[:-step]), (ramps[:, step:], ramps[:, :-step]))[axis]
+            row, col = np.nonzero((a != b) & (a >= 0) & (b >= 0))
+            low, high = np.sort([a[row, col], b[row, col]], axis=0).astype(np.int64)
+            codes.append(low * count + high)
+            points.append(np.stack([col, row], axis=1) + 0.5 + np.eye(2)[1 - axis] * step / 2)
+    code, place = np.concatenate(codes), np.concatenate(points)
+    order = np.argsort(code, kind="stable")
+    values, first, size = np.unique(code[order], return_index=True, return_counts=True)
+    longest = np.argsort(-size, kind="stable")[:_TRIES]
+    return [(*divmod(int(values[k]), count), place[order[first[k]:first[k] + size[k]]])
+            for k in longest.tolist() if size[k] >= _CONTACT]
+
+
+def _extend(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], free: np.ndarray) -> None:
+    """Extend ramps to the free pixels connected with them that have their colours, in place."""
+    work = _WORK * ramps.size
+    for number, cells in enumerate(_members(ramps, len(surfaces))):
+        window = _window(cells, ramps.shape, REACH)
+        here = ramps[window]
+        work -= here.size
+        row, col = np.nonzero(free[window] & (here < 0))
+        if work < 0 or not row.size:
+            continue
+        points, colour = _pixels(canvas, (row + window[0].start) * ramps.shape[1] + col + window[1].start)
+        fits = np.abs(surfaces[number].colours(points) - colour).max(axis=1) < FIT
+        own = here == number
+        more = own.copy()
+        more[row[fits], col[fits]] = True
+        area = label_components(more)
+        held = np.zeros(int(area.max()) + 1, bool)
+        held[area[own]] = True
+        here[more & held[area]] = number
+
+
+def _parted(canvas: Canvas, cells: np.ndarray, window: Tuple[slice, slice],
+            whole: Surface) -> Tuple[np.ndarray, List[Surface]]:
+    """Number of the surface of each pixel of a ramp, -1 for none, and the surfaces."""
+    step = -int(-np.sqrt(cells.size / _CELLS) // 1)
+    mask = np.zeros(canvas.shape, bool)
+    mask.ravel()[cells] = True
+    surfaces = _surfaces(_ramp(canvas, mask[window], window, step), AREA / step**2)
     if not surfaces:
-        return np.where(mask, 0, -1), [whole]
-    return _assigned(full, canvas.bare(canvas.keys)[window], surfaces), surfaces
+        return np.zeros(cells.size, int), [whole]
+    full = _ramp(canvas, mask[window], window, 1)
+    parts = _assigned(full, surfaces)
+    _drop_flat(parts, canvas.bare(canvas.keys)[window], surfaces)
+    return parts[mask[window]], surfaces
 
 
 def _ramp(canvas: Canvas, mask: np.ndarray, window: Tuple[slice, slice], step: int) -> _Ramp:
@@ -167,7 +242,7 @@ def _off(ramp: _Ramp, surface: Surface) -> np.ndarray:
 def _surfaces(ramp: _Ramp, area: float) -> List[Surface]:
     """Surfaces that together explain most of a ramp, as far as they are wide."""
     left = ramp.mask.copy()
-    found = []
+    found: List[Surface] = []
     while len(found) < MOST:
         seed = _widest(left)
         if seed is None:
@@ -211,7 +286,7 @@ def _grown(ramp: _Ramp, left: np.ndarray, seed: np.ndarray) -> Tuple[Surface, np
         if np.count_nonzero(part) < 1.05 * np.count_nonzero(before):
             break
     for _ in range(3):
-        surface = _gradient(ramp, part)
+        surface = _gradient(ramp.points[part], ramp.colour[part])
         before, part = part, _reached(ramp, left, seed, surface)
         if np.count_nonzero(part) < 1.02 * np.count_nonzero(before):
             break
@@ -243,44 +318,41 @@ def _polynomial(ramp: _Ramp, part: np.ndarray) -> Surface:
     return Surface(lambda at: terms(at).dot(values))
 
 
-def _gradient(ramp: _Ramp, part: np.ndarray) -> Surface:
+def _gradient(points: np.ndarray, colour: np.ndarray) -> Surface:
     """The gradient of some pixels, or else their median colour, as a surface."""
-    points, colour = ramp.points[part], ramp.colour[part].astype(np.float64)
-    reach = np.concatenate([points + step for step in ((-_BEYOND, -_BEYOND), (_BEYOND, _BEYOND))])
-    gradient = fit_gradient(Samples(points, colour, np.ones(len(points))), reach)
+    reach = np.concatenate([points - _BEYOND, points + _BEYOND])
+    gradient = fit_gradient(Samples(points, colour.astype(np.float64), np.ones(len(points))), reach)
     if gradient is None:
         middle = np.median(colour, axis=0)
         return Surface(lambda at: np.broadcast_to(middle, (len(at), len(middle))))
     return Surface(lambda at: colours_at(gradient, at)[:, :colour.shape[1]], gradient)
 
 
-def _assigned(ramp: _Ramp, keys: np.ndarray,
-              surfaces: List[Surface]) -> np.ndarray:
+def _assigned(ramp: _Ramp, surfaces: List[Surface]) -> np.ndarray:
     """The number of the surface that explains each pixel best, -1 for none.
 
     Where several explain it alike, its surroundings decide.
     """
-    if not surfaces:
-        return np.full(ramp.mask.shape, -1)
     off = np.stack([_off(ramp, surface) for surface in surfaces])
     cost = np.minimum(off, 3 * FIT) ** 2
     cost[:, ~ramp.mask] = 0
-    smooth = np.stack([_blurred(c) for c in cost])
-    best = cost.argmin(axis=0)
-    least = np.take_along_axis(cost, best[None], 0)[0]
-    tied = (cost < least + FIT**2).sum(axis=0) > 1
-    near = np.where(cost < least + FIT**2, smooth, np.inf).argmin(axis=0)
-    parts = np.where(tied, near, best)
+    alike = cost < cost.min(axis=0) + FIT**2
+    smooth = np.stack([_blurred(plane) for plane in cost])
+    parts = np.where(alike, smooth, np.inf).argmin(axis=0)
     parts[~ramp.mask | (off.min(axis=0) > 2 * FIT)] = -1
     area = label_components(parts)
     parts[np.bincount(area.ravel())[area] < AREA] = -1
+    return parts
+
+
+def _drop_flat(parts: np.ndarray, keys: np.ndarray, surfaces: List[Surface]) -> None:
+    """Take the surfaces out, in place, most of whose pixels have one and the same colour."""
     for k, surface in enumerate(surfaces):
         some = parts == k
         if surface.gradient is None and some.any():
             _, counts = np.unique(keys[some], return_counts=True)
             if 2 * counts.max() > counts.sum():
                 parts[some] = -1
-    return parts
 
 
 def _blurred(values: np.ndarray) -> np.ndarray:

@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 import os
 import zlib
+from contextlib import suppress
 from itertools import groupby
 from typing import Callable, Dict, Iterable, Iterator, List, NamedTuple, Sequence, Tuple, Union
 
@@ -152,7 +153,9 @@ def _replace(path: str, pieces: Iterable[bytes]) -> None:
                 os.chmod(beside, os.stat(path).st_mode & 0o777)
             os.replace(beside, path)
         except BaseException:
-            file.close()
+            # To close means to write what is left, which fails again where the disk is full.
+            with suppress(OSError):
+                file.close()
             os.unlink(beside)
             raise
 

@@ -8,6 +8,8 @@ one colour a line, three numbers from 0 to 255 and a name.
 
 from __future__ import annotations
 
+import os
+import stat
 from typing import Any, List, Sequence, Tuple, Union
 
 MANY = 256
@@ -81,6 +83,8 @@ def _colour(item: Any) -> RGB:
 
 def _read(path: str) -> List[RGB]:
     try:
+        if not stat.S_ISREG(os.stat(path).st_mode):
+            raise ValueError(f"palette must be a regular file, not {path!r}")
         with open(path, encoding="utf-8", errors="replace") as file:
             lines = file.read(1 << 20).splitlines()
     except OSError as error:

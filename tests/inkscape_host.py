@@ -70,7 +70,7 @@ class Inkscape:
         assert process.returncode == 0, said
         return said
 
-    def trace(self, document, result, ids=(), log=None, language="en", more=(), **settings):
+    def trace(self, document, result, /, ids=(), log=None, language="en", more=(), **settings):
         """Trace pictures of a document through the menu action, with settings as the dialog keeps them.
 
         `more` are actions to run before the document is saved.

@@ -2,7 +2,7 @@
 """Bring the catalogues of texts up to date: ``make i18n``.
 
 Texts come from the dialog, ``ddt_trace.inx``, and from what is written as ``_("...")`` in
-``ddtcore/inkscape``.  They go to the template ``ddtcore/locale/ddt_trace.pot``.  Each
+``ddt_trace.py`` and ``ddtcore/inkscape``.  They go to the template ``ddtcore/locale/ddt_trace.pot``.  Each
 catalogue beside it, ``LANGUAGE.po``, gets the new texts without a translation, loses
 those that are gone, and is compiled to where gettext looks for it.
 
@@ -21,13 +21,17 @@ from lxml import etree
 
 ROOT = Path(__file__).resolve().parent.parent
 INX = ROOT / "ddt_trace.inx"
-MODULES = sorted((ROOT / "ddtcore" / "inkscape").glob("*.py"))
+MODULES = [ROOT / "ddt_trace.py", *sorted((ROOT / "ddtcore" / "inkscape").glob("*.py"))]
 LOCALE = ROOT / "ddtcore" / "locale"
 DOMAIN = "ddt_trace"
 TEMPLATE = LOCALE / f"{DOMAIN}.pot"
 NAMESPACE = "{http://www.inkscape.org/namespace/inkscape/extension}"
 SHOWN = ("name", "label", "option", "menu-tip")
 """Elements whose text the dialog shows."""
+
+ENGINE = ("is not a picture of a kind that can be read", "can't be read, it may be damaged",
+          "needs more memory than there is", "has no pixels")
+"""What the engine says of a picture that it cannot read."""
 
 NOTICE = "# SPDX-License-Identifier: GPL-2.0-or-later\n"
 HEADER = ("Project-Id-Version: DDT Trace\nLanguage: {language}\nMIME-Version: 1.0\n"
@@ -62,10 +66,16 @@ def message_texts():
                 yield node.args[0].value, path.relative_to(ROOT).as_posix()
 
 
+def engine_texts():
+    """What the engine says, as the extension puts it."""
+    for text in ENGINE:
+        yield f"it {text}", "ddtcore/raster.py"
+
+
 def texts():
     """All texts and, for each, where it is from."""
     found = {}
-    for text, place in (*dialog_texts(), *inkscape_texts(), *message_texts()):
+    for text, place in (*dialog_texts(), *inkscape_texts(), *message_texts(), *engine_texts()):
         found.setdefault(text, []).append(place)
     return found
 

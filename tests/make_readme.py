@@ -38,19 +38,30 @@ PAPER_ROWS = {"Donald Duck": (1740, 85577, 139, 56), "Pumba": (4470, 233179, 129
 """Table 1 of the paper: bitmap, DDT, curves, SVGZ in kilobytes."""
 
 ROOMS = {
-    "the whole": "pipeline model options",
-    "from outside": "__init__ __main__ cli files report compare inkscape",
-    "picture in": "raster",
-    "pixels to regions": "regions canvas palette noise mixes sides strokes ramps posterise threshold merging"
-                         " components",
+    "the whole": "pipeline model options choice budget reduction",
+    "from outside": "__init__ __main__ cli files progress report compare inkscape",
+    "picture in": "raster sprites ink",
+    "pixels to regions": "regions canvas palette noise mixes sides strokes margins ramps overlays surfaces posterise"
+                         " threshold areas merging components",
     "mesh": "triangulation quads cost ribbon flips",
-    "outlines": "border outline position flatten staircase",
-    "curves": "fit runs segments corner cubic polish newton coverage quadratic bezier",
-    "paint": "paint gradient field stops",
+    "outlines": "border outline position flatten staircase lattice",
+    "curves": "fit runs corner segments arclength cubic polish newton coverage quadratic bezier",
+    "paint": "paint gradient field stops bands recolour swatches perception",
     "drawing out": "stacking order loops doors rankmap underlap shortcut grouping svg pathdata",
 }
 """Modules of ddtcore in the order of reading; new ones appear at the end until they are named here."""
 
+
+PURPOSES = {
+    "automatic": "any picture: one of `clip-art`, `pixel-art`, `photo` by its look; the report says which and why",
+    "clip-art": "drawings with flat or softly changing colours",
+    "logo": "few clean colours, few nodes",
+    "line-art": "ink on paper, drawn or scanned, in black and white",
+    "pixel-art": "sprites and icons, each pixel a square, enlarged or not",
+    "photo": "photographs, as a poster with a limited number of areas",
+    "paper": "the method as it was published",
+}
+"""What presets are for."""
 
 # -- pictures ---------------------------------------------------------------------
 
@@ -114,7 +125,7 @@ def make_pictures():
     make_poster()
     make_comparison()
     for name in STRIPS:
-        save(strip(name), f"setting-{name}")
+        save(strip(name), f"setting-{name}", colours=256)
 
     crisp, close = IMAGES / "crisp" / "stegosaurus.png", (28, 350, 82, 72)
     save(beside([enlarge(crisp, close, 4)] + [paint(group(traced(crisp, preset)), close, 4)
@@ -170,12 +181,13 @@ def settings_table():
 
 
 def presets_table():
-    """The settings of each preset that differ from the defaults."""
+    """What each preset is for, and its settings that differ from the defaults."""
     rows = []
     for name, changes in PRESETS.items():
         flags = ", ".join(f"`--{key} {value}`" for key, value in changes.items())
-        rows.append([f"`{name}`", flags or "the defaults"])
-    return table(["preset", "what it sets"], rows)
+        rows.append([f"`{name}`", PURPOSES.get(name, ""), flags or "the defaults"])
+    rows[0][2] = "what the chosen one sets"
+    return table(["preset", "for", "what it sets"], rows)
 
 
 def rooms_table():
@@ -204,7 +216,16 @@ def _first_line(path):
     return text.splitlines()[0].rstrip(".")
 
 
-TABLES = {"ratios": ratios_table, "settings": settings_table, "presets": presets_table, "rooms": rooms_table}
+def speed_table():
+    """The figures that ``make bench`` measured last when it was told to keep them."""
+    sys.path.insert(0, str(ROOT / "tests" / "benchmark"))
+    import speed
+
+    return speed.readme_text()
+
+
+TABLES = {"ratios": ratios_table, "speed": speed_table, "settings": settings_table, "presets": presets_table,
+          "rooms": rooms_table}
 
 
 def with_table(text, name, content):

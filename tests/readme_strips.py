@@ -26,6 +26,8 @@ STRIPS = {
     "corner": ("sign", (74, 130, 60, 42), [{"corner": value, "tolerance": 1.0}
                                            for value in (10.0, 30.0, 90.0, 180.0)]),
     "speckle": ("tiger", (4, 0, 150, 90), [{"speckle": value} for value in (0.0, 6.0, 30.0, 150.0)]),
+    "gradients": ("heart", (0, 0, 256, 160), [{"gradients": value} for value in
+                                              ("flat", "bands", "gradients")]),
     "stacking": ("sign", (50, 110, 156, 116), [{"stacking": value} for value in ("cutout", "stacked")]),
 }
 """By setting: drawing, box of the bitmap to show, and the settings of each cell."""

@@ -65,7 +65,7 @@ def test_the_resolution_falls_until_the_time_is_enough():
     for seconds in (60, 1.0, 0.3, 0.1):
         options = TraceOptions(seconds=seconds)
         small, labels, factor, note = label_within_budget(image, options, by_shade)
-        assert labelling_seconds(small) + drawing_seconds(labels, options) <= seconds or len(small) <= 64
+        assert labelling_seconds(small, options) + drawing_seconds(labels, options) <= seconds or len(small) <= 64
         assert factor >= previous and bool(note) == (factor > 1)
         previous = factor
         seen.add(factor)
@@ -81,7 +81,7 @@ def test_it_is_not_reduced_further_than_needed():
         small = image.reshape(300 // less, less, 300 // less, less, 4).mean(axis=(1, 3)).astype(np.uint8) \
             if 300 % less == 0 else None
         if small is not None:
-            assert labelling_seconds(small) + drawing_seconds(by_shade(small, less), options) > 1.0
+            assert labelling_seconds(small, options) + drawing_seconds(by_shade(small, less), options) > 1.0
 
 
 def test_labels_are_not_looked_for_where_that_alone_would_take_too_long():
@@ -102,14 +102,16 @@ def test_tiny_pictures_are_traced_whatever_it_takes():
 
 def test_time_is_foretold_from_the_picture_alone():
     busy, calm = noise(200, 200), art(200, 200)
-    assert labelling_seconds(busy) > 2 * labelling_seconds(calm)
+    options = TraceOptions()
+    assert labelling_seconds(busy, options) > 2 * labelling_seconds(calm, options)
+    assert labelling_seconds(busy, TraceOptions(regions="areas")) > labelling_seconds(busy, options)
     both = [drawing_seconds(by_shade(image, 1), TraceOptions()) for image in (busy, calm)]
     assert both[0] > 20 * both[1] > 0
     mesh = [drawing_seconds(by_shade(image, 1), TraceOptions(result="triangles")) for image in (busy, calm)]
     assert mesh[0] == mesh[1] > 0
     # Colours under transparent pixels are no steps.
     busy[..., 3] = 0
-    assert labelling_seconds(busy) <= labelling_seconds(calm)
+    assert labelling_seconds(busy, options) <= labelling_seconds(calm, options)
 
 
 def test_speckle_keeps_to_pixels_of_the_whole_picture(monkeypatch):

@@ -102,10 +102,11 @@ def test_one_failure_is_one_line(folder, capsys):
     (["a.png", "--tollerance", "1"], "no option --tollerance; did you mean --tolerance?"),
     (["a.png", "--colours=3"], "did you mean --colors?"),
     (["a.png", "--xyzzy"], "no option --xyzzy (--help"),
+    (["comapre", "a.png"], "no picture or command comapre; did you mean compare?"),
     (["a.png", "--tolerance", "-1"], "--tolerance must be between 0.02 and 10 px, not -1"),
     (["a.png", "--tolerance", "nan"], "--tolerance must be between"),
-    (["a.png", "--tolerance", "wide"], "--tolerance: invalid float value: 'wide'"),
-    (["a.png", "--colors", "1.5"], "--colors: invalid int value: '1.5'"),
+    (["a.png", "--tolerance", "wide"], "--tolerance: must be a number between 0.02 and 10 px, not 'wide'"),
+    (["a.png", "--colors", "1.5"], "--colors: must be a whole number between 0 and 256, not '1.5'"),
     (["a.png", "--cost", "cheap"], "--cost must be one of yu, paper, not 'cheap'"),
     (["a.png", "--preset", "cartoon"], "--preset must be one of automatic, clip-art"),
     (["a.png", "--palette", "#000 red"], "--palette must be colours such as '#000 #fff #d22', or a GIMP palette"),
@@ -172,6 +173,16 @@ def test_help_fits_in_80_columns_and_names_everything():
     for setting in SETTINGS:
         assert f"  --{setting.name.replace('_', '-')} " in text
     assert "examples:" in text and "exit status:" in text and "%(" not in text and "%%" not in text
+
+
+@pytest.mark.parametrize("missing", ["numpy", "PIL"])
+def test_a_missing_library_is_one_line_that_says_how_to_get_it(folder, missing):
+    code = (f"import sys; sys.modules[{missing!r}] = None\n"
+            "from ddtcore.cli import main; sys.exit(main(['a.png']))")
+    done = subprocess.run([sys.executable, "-c", code], env={**os.environ, "PYTHONPATH": ROOT},
+                          stderr=subprocess.PIPE, text=True)
+    assert done.returncode == 1 and done.stderr.count("\n") == 1
+    assert missing in done.stderr.replace("Pillow", "PIL") and "install" in done.stderr
 
 
 def test_version():

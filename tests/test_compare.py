@@ -61,7 +61,7 @@ def test_bitmap_is_there_pixel_for_pixel(page):
 def test_layers_hold_what_the_stages_made(page):
     tree = parsed(page)
     drawing = ddtcore.trace(picture())
-    outlines = ddtcore.trace(picture(), TraceOptions(result="outlines"))
+    outlines = ddtcore.trace(picture(), TraceOptions(result="outlines", stacking="cutout"))
     assert len(tree.xpath("//*[@id='curves']//path")) == len(drawing.shapes)
     for layer, drawn in (("nodes", drawing), ("outlines", outlines)):
         points = np.concatenate([loop.control[:, 0] for shape in drawn.shapes for loop in shape.loops])
@@ -81,7 +81,8 @@ def test_figures_are_those_of_the_report(page):
     cells = dict(zip(tree.xpath("//table//th/text()"), tree.xpath("//table//td/text()")))
     figures = report(picture()).to_dict()
     for key, value in [*figures["bytes"].items(), *figures["counts"].items()]:
-        assert cells[key] == f"{value:,}"
+        assert cells[compare.WORDS.get(key, key)] == f"{value:,}"
+    assert set(compare.WORDS) == {*figures["bytes"], *figures["ratios"]}
 
 
 def test_three_settings_are_three_different_traces(page):
@@ -92,6 +93,14 @@ def test_three_settings_are_three_different_traces(page):
     paper = parsed(compare.compare(picture(), TraceOptions.preset("paper"))).xpath("//figcaption")
     assert paper[0].find("code").text == captions[2].find("code").text
     assert "the default settings" in paper[2].text_content()
+
+
+def test_choice_of_a_preset_is_told():
+    sprite = np.kron(np.random.default_rng(1).integers(0, 2, (12, 12, 1)), np.ones((8, 8, 1)))
+    image = np.concatenate([np.repeat(200 * sprite, 3, axis=2), np.full((96, 96, 1), 255)], axis=2)
+    page = compare.compare(image.astype(np.uint8))
+    assert "the look of the picture: pixel-art (" in page and "<code>--regions pixels --curves crisp" in page
+    assert "the look of the picture" not in compare.compare(picture(), TraceOptions())
 
 
 def test_names_and_notes_are_text_and_not_markup(monkeypatch):
@@ -297,6 +306,15 @@ def test_narrow_windows_have_no_sideways_scrolling(window):
     finally:
         window.call("Emulation.clearDeviceMetricsOverride")
         window.settle()
+
+
+def test_a_hidden_viewer_is_shown_right_later(window):
+    before = view(window)
+    for display in ("none", "block"):
+        window.value(f"document.getElementById('viewer').style.display = '{display}'")
+        window.value("document.getElementById('fit').click()")
+        window.settle()
+    assert view(window) == pytest.approx(before)
 
 
 def test_all_controls_have_names(window):

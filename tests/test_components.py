@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ddtcore.components import components, label_components, link_components
+from ddtcore.components import components, label_components, link_components, linked_areas
 
 
 def search(n, a, b):
@@ -102,3 +102,18 @@ def test_chessboard():
 def test_connectivity_is_checked():
     with pytest.raises(ValueError, match="connectivity must be 4 or 8, not 6"):
         label_components(np.zeros((2, 2), int), 6)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_linked_areas_are_the_components_with_links(seed):
+    rng = np.random.RandomState(seed)
+    shape = [(1, 1), (1, 9), (7, 1), (6, 8), (13, 11), (13, 11), (20, 20), (3, 2)][seed]
+    right = rng.rand(shape[0], shape[1] - 1) < 0.3
+    down = rng.rand(shape[0] - 1, shape[1]) < 0.3
+    every = link_components(right, down)
+    areas, size = linked_areas(right, down)
+    lone = np.bincount(every.ravel())[every] == 1
+    assert (areas[lone] == -1).all() and areas.dtype == np.int32
+    assert (size == np.bincount(areas[~lone])).all()
+    # The others keep their order.
+    assert (areas[~lone] == np.unique(every[~lone], return_inverse=True)[1].ravel()).all()

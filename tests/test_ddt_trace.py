@@ -73,7 +73,8 @@ def test_descriptor_is_valid(schema):
 
 
 def test_dialog_shows_every_setting_and_nothing_else(params):
-    assert set(params) == {"tab", "preset", "source", *(setting.name for setting in fields(TraceOptions))}
+    assert set(params) == {"tab", "preset", "source", "palette_file",
+                           *(setting.name for setting in fields(TraceOptions))}
 
 
 @pytest.mark.parametrize("setting", fields(TraceOptions), ids=lambda setting: setting.name)
@@ -86,9 +87,7 @@ def test_dialog_agrees_with_the_options(params, setting):
         return
     kind = type(setting.default)
     if kind is str:
-        # A field to type into, with a button that offers files.
-        assert (param.get("type"), param.get("mode"), param.get("filetypes")) == ("path", "file", "gpl")
-        assert (param.text or "") == setting.default
+        assert param.get("type") == "string" and (param.text or "") == setting.default
         return
     assert param.get("type") == kind.__name__
     assert kind(param.text) == setting.default
@@ -98,6 +97,12 @@ def test_dialog_agrees_with_the_options(params, setting):
         digits = 10 ** int(param.get("precision"))
         assert all(value * digits == round(value * digits)
                    for value in (setting.default, meta["low"], meta["high"]))
+
+
+def test_the_file_of_a_palette_can_be_chosen(params):
+    param = params["palette_file"]
+    assert (param.get("type"), param.get("mode"), param.get("filetypes")) == ("path", "file", "gpl")
+    assert list(params).index("palette_file") == list(params).index("palette") + 1
 
 
 def test_presets_come_first(params):
@@ -164,6 +169,47 @@ def test_what_is_no_document_is_said_plainly(tmp_path):
     assert (done.returncode, done.stdout) == (251, b"")
     # Before that, inkex may say what its parser stumbled over.
     assert done.stderr.decode().endswith("notes.txt is not an SVG document.\n")
+
+
+def test_a_wrong_colour_is_said_in_one_sentence(tmp_path):
+    done = call("--palette=#12", document(tmp_path, PICTURE))
+    message = done.stderr.decode()
+    assert message.startswith("A setting is wrong: palette ") and message.count("\n") == 1
+    done = call("--palette=#12", document(tmp_path, PICTURE), DDT_TRACE_LOG=str(tmp_path / "log"))
+    assert (done.returncode, done.stderr) == (2, b"")
+    assert "palette" in (tmp_path / "log").read_text(encoding="utf-8")
+
+
+def test_from_standard_input_to_standard_output(tmp_path):
+    path = document(tmp_path, PICTURE)
+    done = subprocess.run([sys.executable, str(ROOT / "ddt_trace.py")], input=path.read_bytes(), timeout=60,
+                          stdout=subprocess.PIPE, check=True)
+    assert done.stdout == call(path).stdout
+
+
+def test_a_document_is_written_whole_or_not_at_all(tmp_path):
+    path = document(tmp_path, PICTURE)
+    before = path.read_bytes()
+    for target in (tmp_path / "no" / "out.svg", tmp_path):
+        done = call(f"--output={target}", path)
+        message = done.stderr.decode()
+        assert done.returncode == 251 and "cannot be written" in message and message.count("\n") <= 1
+    done = call(f"--output={path}", path)
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert path.read_bytes() != before and [item.name for item in tmp_path.iterdir()] == ["in.svg"]
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="this system has no full device")
+def test_a_full_disk_and_a_closed_pipe(tmp_path):
+    program = [sys.executable, str(ROOT / "ddt_trace.py"), str(document(tmp_path, PICTURE))]
+    with open("/dev/full", "wb") as full:
+        done = subprocess.run(program, stdout=full, stderr=subprocess.PIPE, timeout=60)
+    assert done.returncode == 251 and done.stderr.count(b"\n") <= 1 and b"No space left" in done.stderr
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = subprocess.run(program, stdout=writing, stderr=subprocess.PIPE, timeout=60)
+    os.close(writing)
+    assert (done.returncode, done.stderr) == (0, b"")
 
 
 def test_a_missing_library_is_named(tmp_path):

@@ -36,6 +36,18 @@ def test_an_unforeseen_fault_gives_one_sentence_and_a_file(capfd, monkeypatch, t
     assert "secret detail" in details and "Traceback" in details
 
 
+def test_an_unforeseen_fault_on_a_full_disk(capfd, monkeypatch):
+    def full(*_, **__):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("tempfile.NamedTemporaryFile", full)
+    with pytest.raises(SystemExit) as caught, plain_messages():
+        raise ZeroDivisionError("some\ndetail")
+    message = capfd.readouterr().err
+    assert caught.value.code == 1
+    assert message.endswith("ZeroDivisionError some detail.\n") and message.count("\n") == 1
+
+
 @pytest.mark.parametrize("error, status", [(inkex.AbortExtension("sentence"), 251 - 256), (MemoryError(), -5),
                                            (KeyError("detail"), 1)])
 def test_in_batch_runs_a_file_gets_everything(capfd, monkeypatch, tmp_path, error, status):

@@ -163,3 +163,17 @@ def test_one_group_for_each_colour(tmp_path):
         assert all(path.get(LABEL).startswith(group.get(LABEL)) for path in group)
     names = [sorted(path.get(LABEL) for path in layers(one)[0].iter("{*}path")) for one in (plain, root)]
     assert names[0] == names[1]
+
+
+@pytest.mark.parametrize("attributes", ['style="display:none"', 'visibility="hidden"', 'display="none"',
+                                        's:insensitive="true" style="opacity:1"'])
+def test_the_drawing_of_a_picture_in_a_hidden_or_locked_layer_is_neither(tmp_path, attributes):
+    body = (f'<g xmlns:s="http://sodipodi.sourceforge.net/DTD/sodipodi-0.dtd" {attributes}>'
+            f'{IMAGE % ("a", 0)}</g>')
+    before, root = trace(tmp_path, body, "--id=a")
+    drawn, = layers(root)
+    assert drawn.getprevious() is root[0] and dict(root[0].attrib) == dict(before[0].attrib)
+    for element in drawn.iter():
+        text = " ".join(element.attrib.values())
+        assert not any(word in text for word in ("none", "hidden")) and len(element.attrib) <= 4
+        assert not [name for name in element.attrib if "insensitive" in name]

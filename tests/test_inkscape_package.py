@@ -10,6 +10,10 @@ from pathlib import Path
 
 import make_catalogues
 import pytest
+
+pytest.importorskip("inkex")
+
+from inkex import tester
 from inkscape_host import EXTENSION_ID, ROOT, Inkscape
 from lxml import etree
 
@@ -52,6 +56,9 @@ def test_package_holds_what_the_gallery_asks_for_and_nothing_else(package):
     assert [name for name in names if name.endswith(".inx")] == ["ddt_trace.inx"]
     assert descriptor.findtext("{*}id") == EXTENSION_ID
     assert descriptor.get("translationdomain") == make_catalogues.DOMAIN
+    schema = Path(tester.__file__).parent / "inkscape.extension.rng"
+    if schema.exists():  # that of Inkscape 1.4, which knows this attribute
+        etree.RelaxNG(etree.parse(str(schema))).assertValid(descriptor)
     for language in make_catalogues.languages():
         path = make_catalogues.compiled_path(language)
         assert path.relative_to(make_catalogues.LOCALE.parent).as_posix() in names

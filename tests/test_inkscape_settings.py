@@ -32,10 +32,12 @@ def test_a_changed_setting_wins_over_the_preset():
 def test_colours_and_files_are_taken_as_palettes(tmp_path):
     file = tmp_path / "two colours.gpl"
     file.write_text("GIMP Palette\n0 0 0 black\n255 0 0\tred\n")
-    for text in ("#000, #f00", str(file)):
-        assert trace_options(parse("--palette", text)).palette == "#000000 #ff0000"
-    with pytest.raises(ValueError, match="palette must be a file that can be read"):
-        trace_options(parse("--palette", str(tmp_path / "none.gpl")))
+    for arguments in (["--palette=#000, #f00"], ["--palette_file", str(file)], ["--palette", str(file)]):
+        assert trace_options(parse(*arguments)).palette == "#000000 #ff0000"
+    both = parse("--palette=#00f", "--palette_file", str(file))
+    assert trace_options(both).palette == "#0000ff" and changes(vars(both)) == {"palette": "#00f"}
+    with pytest.raises(ValueError, match=r"palette must be a file that can be read"):
+        trace_options(parse("--palette_file", str(tmp_path / "none.gpl")))
 
 
 def test_the_defaults_are_those_of_the_library():

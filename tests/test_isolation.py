@@ -98,3 +98,16 @@ def test_public_names():
     assert ddtcore.__version__ == "1.0.0"
     with pytest.raises(AttributeError, match="nonsense"):
         ddtcore.nonsense  # noqa: B018
+
+
+@pytest.mark.parametrize("name", [name for name in MODULES if name != "__main__.py"])
+def test_functions_have_types_and_say_what_they_do(name):
+    with open(os.path.join(FOLDER, name), encoding="utf-8") as file:
+        tree = ast.parse(file.read())
+    assert ast.get_docstring(tree)
+    for node in tree.body:
+        if isinstance(node, (ast.FunctionDef, ast.ClassDef)) and not node.name.startswith("_"):
+            assert ast.get_docstring(node), node.name
+        if isinstance(node, ast.FunctionDef):
+            given = [*node.args.args, *node.args.kwonlyargs]
+            assert node.returns is not None and all(argument.annotation for argument in given), node.name

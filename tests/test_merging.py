@@ -6,8 +6,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from ddtcore.canvas import premultiply
 from ddtcore.components import label_components
-from ddtcore.merging import drop_unused, limit_colours, merge_specks, ward_groups
+from ddtcore.merging import drop_unused, limit_colours, merge_specks, merge_twins, ward_groups
 from ddtcore.model import Labels
 
 PALETTE = np.array(
@@ -103,3 +104,42 @@ def test_ward_groups_by_weight_and_distance():
     # A rare colour costs little, even if it is far from the next one.
     assert ward_groups(points, np.array([1000, 1000, 1000, 1]), 3).tolist() == [0, 1, 2, 2]
     assert ward_groups(points, np.ones(4), 4).tolist() == [0, 1, 2, 3]
+
+
+def twins(palette, index, ramp=None):
+    """Labels of RGBA colours with their twins merged."""
+    palette, index = np.array(palette, float), np.asarray(index, np.int32)
+    ramp = np.zeros(len(palette), bool) if ramp is None else np.array(ramp)
+    labels = Labels(index, palette, np.zeros(index.shape, bool), ramp)
+    return merge_twins(labels, premultiply(palette).T.astype(np.float32))
+
+
+STRIPES = np.arange(4).repeat(10).reshape(4, 10).repeat(3, axis=0)
+
+
+def test_twins_that_meet_take_the_more_frequent_colour():
+    palette = [(12, 12, 12, 255), (13, 14, 13, 255), (255, 255, 255, 255), (255, 255, 251, 255)]
+    merged = twins(palette, np.maximum(STRIPES, 1)), twins(palette, STRIPES)
+    np.testing.assert_array_equal(merged[0].palette, palette[1:])
+    assert len(merged[1].palette) == 3
+    np.testing.assert_array_equal(merged[1].index[:6], 0)
+
+
+def test_twins_that_do_not_meet_stay():
+    palette = [(12, 12, 12, 255), (255, 255, 255, 255), (13, 14, 13, 255), (90, 90, 90, 255)]
+    np.testing.assert_array_equal(twins(palette, STRIPES).palette, palette)
+
+
+def test_no_chain_of_twins_changes_a_colour_visibly():
+    palette = [(20 + 2 * k, 20, 20, 255) for k in range(4)]
+    merged = twins(palette, STRIPES)
+    assert np.abs(merged.palette[merged.index] - np.array(palette, float)[STRIPES]).max() <= 2
+    assert len(merged.palette) == 2
+
+
+def test_twins_of_other_opacity_and_ramps_stay():
+    palette = [(80, 80, 80, 255), (81, 80, 80, 250), (0, 0, 0, 0), (255, 255, 255, 255)]
+    np.testing.assert_array_equal(twins(palette, STRIPES).palette, palette)
+    palette = [(80, 80, 80, 255), (81, 80, 80, 255), (0, 0, 0, 0), (255, 255, 255, 255)]
+    np.testing.assert_array_equal(twins(palette, STRIPES, [False, True, False, False]).palette, palette)
+    assert len(twins(palette, STRIPES).palette) == 3

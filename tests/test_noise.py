@@ -11,14 +11,15 @@ from artwork import CARTOON, colours_of, draw, palette_of
 
 from ddtcore.canvas import prepare
 from ddtcore.components import label_components
-from ddtcore.noise import ROUNDING, noise_level
+from ddtcore.noise import ROUNDING, is_grainy, mixing_error, noise_level
 from ddtcore.options import TraceOptions
-from ddtcore.palette import find_plateaus
+from ddtcore.palette import choose_colours, find_plateaus, known_labels
 from ddtcore.posterise import is_noisy, posterise
 from ddtcore.ramps import find_ramps
 from ddtcore.regions import label_pixels
 
 Image = pytest.importorskip("PIL.Image")
+ImageFilter = pytest.importorskip("PIL.ImageFilter")
 
 LARGE = [(colour, lambda x, y, covers=covers: covers(x / 3, y / 3)) for colour, covers in CARTOON]
 
@@ -36,6 +37,15 @@ def resized(image, factor):
 
 def dithered(image, colours):
     return np.array(Image.fromarray(image).convert("RGB").quantize(colours).convert("RGBA"))
+
+
+def grainy(image, sigma, seed=0):
+    """A little unsharp, with a grain over everything, as a scan."""
+    blurred = np.array(Image.fromarray(image).convert("RGB").filter(ImageFilter.GaussianBlur(0.7)), float)
+    blurred += np.random.RandomState(seed).randn(*blurred.shape) * sigma
+    grained = np.full(image.shape, 255, np.uint8)
+    grained[..., :3] = np.rint(blurred).clip(0, 255)
+    return grained
 
 
 def level(image):
@@ -62,8 +72,9 @@ def test_noise_grows_with_compression(clean):
 
 @pytest.mark.parametrize("spoil", [lambda image: jpeg(image, 90), lambda image: jpeg(image, 75),
                                    lambda image: jpeg(image, 50), lambda image: resized(image, 0.7),
-                                   lambda image: resized(image, 1.5), lambda image: dithered(image, 32)],
-                         ids=["q90", "q75", "q50", "reduced", "enlarged", "dithered"])
+                                   lambda image: resized(image, 1.5), lambda image: dithered(image, 32),
+                                   lambda image: grainy(image, 2), lambda image: grainy(image, 3)],
+                         ids=["q90", "q75", "q50", "reduced", "enlarged", "dithered", "scanned", "scanned badly"])
 def test_spoiled_pictures_have_the_colours_and_regions_of_the_clean_one(clean, spoil):
     labels = label_pixels(spoil(clean), TraceOptions())
     found = np.array(sorted(palette_of(labels)))[:, None]
@@ -71,6 +82,23 @@ def test_spoiled_pictures_have_the_colours_and_regions_of_the_clean_one(clean, s
     assert (off.min(axis=0) <= 12).all(), "a colour is missing"
     assert (off.min(axis=1) <= 12).all(), "a colour is too many"
     assert label_components(labels.index, 8).max() + 1 <= 1.5 * 12
+
+
+def test_mixes_are_exact_unless_the_colours_were_reduced(clean):
+    errors = []
+    for image in (clean, dithered(clean, 64), dithered(clean, 20)):
+        canvas = prepare(image)
+        plateaus = find_plateaus(canvas, np.zeros(canvas.shape, bool))
+        labels = known_labels(canvas, plateaus, choose_colours(canvas, plateaus, False), ROUNDING)
+        errors.append(mixing_error(canvas, labels, canvas.cells(~plateaus.core)))
+    assert errors[0] == ROUNDING and errors[2] > 3
+
+
+def test_channels_near_their_ends_lie_there(clean):
+    blue = (40, 90, 180, 255)
+    changed = np.where((clean == blue).all(axis=-1)[..., None], np.array((0, 51, 217, 255), np.uint8), clean)
+    found = palette_of(label_pixels(jpeg(changed, 50), TraceOptions()))
+    assert any(colour[0] == 0 and colour[2] > 180 for colour in found)
 
 
 def test_black_and_white_stay_exact(clean):
@@ -91,13 +119,22 @@ def test_photographs_are_posterised():
     smooth = np.cumsum(np.cumsum(rng.randn(160, 200, 3), axis=0), axis=1)
     smooth = 255 * (smooth - smooth.min()) / np.ptp(smooth)
     image[..., :3] = np.clip(smooth + 12 * rng.randn(160, 200, 3), 0, 255)
-    assert is_noisy(prepare(image))
+    assert is_noisy(prepare(image)) and not is_grainy(prepare(image))
     labels = label_pixels(image, TraceOptions())
     assert 8 <= len(labels.palette) <= 64
     assert np.bincount(label_components(labels.index, 8).ravel()).min() >= 8
     error = labels.palette[labels.index][..., :3] - smooth
     assert np.sqrt((error ** 2).mean()) < 16
     assert len(label_pixels(image, TraceOptions(colors=5)).palette) <= 5
+
+
+def test_soft_shades_under_a_grain_are_no_flat_colours():
+    y, x = np.mgrid[:160, :200]
+    for shade in (x + 20, 200 - y, np.hypot(x - 90, y - 80)):
+        image = np.repeat(shade[..., None], 4, axis=2) + np.random.RandomState(3).randn(160, 200, 1) * 3
+        image = np.rint(image).clip(0, 255).astype(np.uint8)
+        image[..., 3] = 255
+        assert is_noisy(prepare(image)) and not is_grainy(prepare(image))
 
 
 def test_few_colours_stay_exact():

@@ -8,7 +8,8 @@ import pytest
 from artwork import CARTOON, draw
 
 from ddtcore.canvas import prepare
-from ddtcore.ramps import AREA, find_ramps
+from ddtcore.model import Labels
+from ddtcore.ramps import AREA, SLOPES, find_ramps, mark_slopes
 
 SIZE = 60
 Y, X = np.mgrid[:SIZE, :SIZE] + 0.5
@@ -78,3 +79,22 @@ def test_ramp_of_opacity():
     image[..., 3] = np.clip(4 * (X - 5), 0, 255)
     ramps, count = find_ramps(prepare(image))
     assert count == 1 and (ramps >= 0)[:, 10:55].all()
+
+
+def test_areas_with_the_strongest_slopes_are_marked():
+    """Stripes: flat, noisy, hardly sloping, sloping."""
+    level = np.full((SIZE, SIZE), 90.0)
+    level[15:30] += 8 * np.random.RandomState(2).randn(15, SIZE)
+    level[30:45] += 0.01 * X[30:45]
+    level[45:] += 2 * X[45:]
+    index = (Y // 15).astype(np.int32)
+    labels = Labels(index, np.full((4, 4), 255.0), np.zeros(index.shape, bool))
+    marked = mark_slopes(prepare(picture(level, Y > 0)), labels)
+    assert marked.ramp.tolist() == [False, False, False, True]
+
+
+def test_few_areas_are_marked():
+    index = (Y.astype(int) // 6 * 10 + X.astype(int) // 6).astype(np.int32)
+    labels = Labels(index, np.full((100, 4), 255.0), np.zeros(index.shape, bool))
+    marked = mark_slopes(prepare(picture(20 + 3.5 * X, Y > 0)), labels)
+    assert marked.ramp.sum() <= SLOPES

@@ -78,3 +78,19 @@ def test_quadratics_and_lines_become_the_same_cubics():
     line, quadratic = as_cubics(Curves(np.array([0, 2]), control, np.array([LINE, QUADRATIC])))
     assert line.tolist() == [[0, 0], [2, 0], [4, 0], [6, 0]]
     assert quadratic.tolist() == [[0, 0], [2, 2], [4, 2], [6, 0]]
+
+
+def test_arcs_that_all_but_touch_far_from_the_origin_are_no_error():
+    """Where the sum of row and column has no digits left to tell them apart."""
+    none = np.zeros(0, np.int32)
+    planar = PlanarMap(
+        starts=np.arange(0, 9, 2), crossings=none, tail=none, head=none, left=np.array([1, 3, 2, 0]),
+        right=np.array([0, 2, 1, 3]), junctions=none, face_labels=np.arange(4),
+        pixel_faces=np.zeros((700, 2400), np.int32))
+    # Cells are half pixels, sampled in their middles.
+    x = np.array([0.0, 664.25 + 1.2e-13, 664.25, 2400.0])
+    assert x[1] > x[2] and 1299 * 9600 + 2 * x[1] == 1299 * 9600 + 2 * x[2]
+    points = np.stack([np.repeat(x, 2), np.tile([0.0, 700.0], 4)], axis=1)
+    ranks = RankMap(np.arange(0, 9, 2), points, planar, np.array([-1, 1, 2, 3]))
+    seen = ranks.lowest(np.array([[600, 650], [700, 650]]), 0)
+    assert seen[0] == 1 and seen[1] in (2, 3)

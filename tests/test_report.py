@@ -42,7 +42,16 @@ def test_sizes_are_those_of_the_results(preset):
 
 
 def test_result_of_the_options_does_not_matter():
-    assert report(picture(), TraceOptions(result="border")) == report(picture())
+    assert report(picture(), TraceOptions(result="border")) == report(picture(), TraceOptions())
+
+
+def test_what_was_chosen_is_said_and_why():
+    figures = report(picture())
+    assert figures.choice == trace(picture()).choice and figures.choice.startswith("clip-art (")
+    assert figures.to_dict()["choice"] == figures.choice
+    assert figures.to_text().splitlines()[1] == f"  preset: {figures.choice}"
+    plain = report(picture(), TraceOptions())
+    assert plain.choice == "" and "preset" not in plain.to_text()
 
 
 def test_a_drawing_that_is_there_is_not_made_again(monkeypatch):

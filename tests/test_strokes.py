@@ -102,6 +102,29 @@ def test_new_colour_is_exact_where_it_is_ever_fully_covered():
     assert unpack(np.append(keys, found)).tolist().count([184, 0, 0, 255]) == 1
 
 
+def test_black_that_is_nowhere_full_is_black():
+    image = draw(60, 60, [((169, 169, 169, 255), everywhere), (WHITE, half_plane(30.3, 30.1, np.pi / 4)),
+                          (BLACK, stroke(30.3, 30.1, np.pi / 4, 1.38, 24))])
+    canvas, keys, labels, ridges = ridges_of(image)
+    cells = canvas.cells(canvas.bare(labels) < 0)
+    assert image[..., 0].min() > 0
+    found = strokes.new_colours(canvas, cells, ridges, planes(keys, True), labels, 2.0)
+    assert unpack(found).tolist() == [list(BLACK)]
+
+
+def test_a_new_colour_is_found_once():
+    """In a grain no two pixels of a stroke are equal."""
+    ink = 150, 20, 90, 255
+    image = draw(90, 90, [(WHITE, everywhere)] + [(ink, stroke(45, y, 0.1, 1.5, 40)) for y in (20, 45, 70)])
+    image[..., :3] = np.clip(image[..., :3] + np.random.RandomState(1).randint(-4, 5, (90, 90, 3)), 0, 255)
+    canvas = prepare(image)
+    cells = canvas.cells(np.ones(canvas.shape, bool))
+    labels = np.full(canvas.keys.size, -1, np.int32)
+    ridges = strokes.find_ridges(canvas, cells, 7.0)
+    found = unpack(strokes.new_colours(canvas, cells, ridges, np.full((3, 1), 255, np.float32), labels, 7.0))
+    assert len(found) == 1 and np.abs(found[0].astype(int) - ink).max() < 20
+
+
 def test_no_new_colours_where_the_palette_explains_all():
     image = draw(90, 90, [(WHITE, everywhere), (BLACK, disc(30, 30, 12))]
                  + [(BLACK, stroke(60, 50, angle, 1.0, 20)) for angle in ANGLES])

@@ -48,7 +48,8 @@ def decode(data: bytes) -> np.ndarray:
     except ImportError:  # no Pillow, or one whose libraries do not load
         return decode_with_inkscape(data)
     except ImageError as error:
-        raise PictureError(str(error).replace("the input ", "it ", 1)) from error
+        said, colon, details = str(error).replace("the input ", "it ", 1).partition(": ")
+        raise PictureError(_(said) + colon + details) from error
 
 
 def decode_with_inkscape(data: bytes) -> np.ndarray:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Read the document, which may be from a stranger.
+"""Read the document, which may be from a stranger, and write it whole or not at all.
 
 Nothing outside it is read, entities stay what they are, and what they would grow to is
 limited.  What inkex would repair, by leaving out all that follows a mistake, is turned
@@ -9,12 +9,15 @@ down: the result must hold the whole document.
 from __future__ import annotations
 
 import io
-from typing import IO, Any
+import os
+import sys
+from typing import IO, Any, Union
 
 import inkex
 from inkex.elements._parser import NodeBasedLookup
 from lxml import etree
 
+from ..svg import write
 from .words import _
 
 
@@ -47,7 +50,7 @@ def load_document(stream: IO[bytes], name: str) -> etree._ElementTree:
     AbortExtension
         It is no SVG document, or a damaged one.
     """
-    data = stream.read()
+    data = getattr(stream, "buffer", stream).read()
     # Undeclared prefixes of attributes are common, and recovered from without a loss.
     parser = etree.XMLParser(recover=True, strip_cdata=False, resolve_entities=False, no_network=True,
                              huge_tree=not _has_entities(data))
@@ -63,6 +66,41 @@ def load_document(stream: IO[bytes], name: str) -> etree._ElementTree:
             text = _("{path} is a damaged document: there is a mistake in line {line}.")
             raise inkex.AbortExtension(text.format(path=name, line=entry.line))
     return tree
+
+
+def save_document(tree: etree._ElementTree, target: Union[str, IO[bytes]]) -> None:
+    """Write an SVG document.
+
+    Parameters
+    ----------
+    tree : ElementTree
+    target : str or binary file
+        A file with a path appears complete or not at all.
+
+    Raises
+    ------
+    AbortExtension
+        It cannot be written.
+    """
+    data = etree.tostring(tree)
+    try:
+        if isinstance(target, str):
+            write(target, [data])
+        else:
+            target.write(data)
+            target.flush()
+    except OSError as error:
+        path = target if isinstance(target, str) else _drop(target)
+        if not isinstance(error, BrokenPipeError):  # then the reader has what it wanted
+            text = _("{path} cannot be written ({reason}).")
+            raise inkex.AbortExtension(text.format(path=path, reason=error.strerror)) from error
+
+
+def _drop(stream: IO[bytes]) -> str:
+    """Drop what a stream still holds, for Python would complain of it in the end."""
+    if stream.fileno() == sys.stdout.fileno():
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+    return str(stream.name)
 
 
 def _has_entities(data: bytes) -> bool:

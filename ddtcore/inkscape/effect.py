@@ -48,7 +48,7 @@ def trace_pictures(svg: inkex.SvgDocumentElement, chosen: Namespace, folders: Fo
         top = picture.chain[0]
         if top not in layers:
             layers[top] = new_layer(svg, top)
-        notes = [_(text) for text in drawing.notes]
+        notes = list(drawing.notes)
         if not finish_source(picture, chosen.source, cloned):
             notes.append(_("the picture was kept, since hiding it would hide more than it"))
         add_drawing(layers[top], picture.name, _description(chosen, drawing, notes), drawing, placement,
@@ -75,6 +75,7 @@ def _trace_all(pictures: List[Picture], options: TraceOptions, folders: Folders)
 def _description(chosen: Namespace, drawing: Drawing, notes: List[str]) -> str:
     settings = ", ".join(f"{name}={value}" for name, value in
                          [("preset", chosen.preset), *changes(vars(chosen)).items()])
+    settings += f"; {drawing.choice}" if drawing.choice else ""
     size = f"{drawing.width} x {drawing.height} px"
     return "\n".join([f"DDT Trace {__version__}", _("Picture: {size}").format(size=size),
                       _("Settings: {settings}").format(settings=settings),

@@ -33,11 +33,10 @@ def plain_messages() -> Iterator[None]:
         if note(message):
             sys.exit(ABORT_STATUS)
         raise inkex.AbortExtension(message) from error
-    except Exception:  # anything else is a fault of this program
+    except Exception as error:  # anything else is a fault of this program
         details = traceback.format_exc()
         if not note(details):
-            inkex.errormsg(_("DDT Trace has met an unforeseen fault; please report it with the file"
-                             " {path}.").format(path=_log_file(details)))
+            inkex.errormsg(_unforeseen(error, details))
         sys.exit(1)
 
 
@@ -59,6 +58,16 @@ def _quiet_libraries() -> Iterator[None]:
         os.dup2(stderr, 2)
         os.close(stderr)
         os.close(nowhere)
+
+
+def _unforeseen(error: Exception, details: str) -> str:
+    try:
+        return _("DDT Trace has met an unforeseen fault; please report it with the file {path}.").format(
+            path=_log_file(details))
+    except OSError:  # a full disk, perhaps
+        fault = " ".join(f"{type(error).__name__} {error}".split())
+        return _("DDT Trace has met an unforeseen fault, and cannot write down the details:"
+                 " {fault}.").format(fault=fault)
 
 
 def _log_file(details: str) -> str:

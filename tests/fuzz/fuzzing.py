@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Fuzzing: whatever bytes arrive, the outcome is a sound drawing or one plain sentence.
 
-Usage: fuzz.py SECONDS [FOLDER]
+Usage: fuzzing.py SECONDS [FOLDER]
 
 With atheris (libFuzzer for Python) the inputs follow the branches of the engine and of Pillow's
 readers; without it they are random changes of the seeds.  Inputs that fail are kept in the folder.
@@ -167,7 +167,7 @@ def _with_atheris(seconds: int, folder: str) -> int:
             file.write(data)
     code = ("import atheris, sys\nwith atheris.instrument_imports(include=['ddtcore', 'PIL']):\n"
             "    import ddtcore.pipeline, ddtcore.svg, PIL.Image\n    PIL.Image.init()\n"
-            "import fuzz\natheris.Setup(sys.argv, fuzz.try_input)\natheris.Fuzz()")
+            "import fuzzing\natheris.Setup(sys.argv, fuzzing.try_input)\natheris.Fuzz()")
     path = os.pathsep.join([os.path.dirname(os.path.abspath(__file__)), ROOT, os.path.join(ROOT, "tests")])
     return subprocess.call(
         [sys.executable, "-c", code, f"-max_total_time={seconds}", "-max_len=4096", "-timeout=60",

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Strokes on ramps are found, and nothing else."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ddtcore.canvas import prepare
+from ddtcore.overlays import AREA, add_drawn
+from ddtcore.palette import find_plateaus, known_labels
+from ddtcore.ramps import find_ramps
+from ddtcore.surfaces import separate
+
+SIZE = 80
+Y, X = np.mgrid[:SIZE, :SIZE] + 0.5
+ALONG = 0.8 * X + 0.6 * Y
+ACROSS = 0.6 * X - 0.8 * Y + 8
+
+
+def stroke(width):
+    """Coverage of a slanting stroke."""
+    return np.clip(width / 2 + 0.5 - abs(ACROSS), 0, min(width, 1)) * (ALONG > 20) * (ALONG < 80)
+
+
+def picture(cover, top, slope=1.2):
+    """A ramp with something of one colour on it."""
+    base = np.stack([250 - slope * Y, 140 + 0.5 * Y, 20 + 0 * X], axis=-1)
+    image = np.full((SIZE, SIZE, 4), 255, np.uint8)
+    image[..., :3] = np.rint(base + cover[..., None] * (np.asarray(top, float) - base))
+    return image
+
+
+def drawn(image):
+    """Ramps with the drawn things, and how many there are of each."""
+    canvas = prepare(image)
+    ramps, surfaces = separate(canvas, *find_ramps(canvas), np.zeros(canvas.shape, bool))
+    plateaus = find_plateaus(canvas, ramps >= 0)
+    keys = plateaus.keys[(plateaus.counts >= 64) & (plateaus.full > 0)]
+    labels = known_labels(canvas, plateaus, keys, 2.0)
+    return ramps, len(surfaces), add_drawn(canvas, ramps, surfaces, keys, labels) - len(surfaces)
+
+
+@pytest.mark.parametrize("width", [1.2, 2.0, 3.0])
+@pytest.mark.parametrize("alpha", [0.25, 1.0])
+@pytest.mark.parametrize("top", [(255, 255, 255), (60, 30, 0)])
+def test_a_stroke_is_one_thing(width, alpha, top):
+    ramps, count, more = drawn(picture(alpha * stroke(width), top))
+    assert count == 1 and more == 1
+    full, away = stroke(width) > 0.9 * min(width, 1), abs(ACROSS) > width / 2 + 1.5
+    assert (ramps[full] == count).mean() > 0.95
+    assert not (ramps[away] == count).any()
+
+
+def test_light_and_dark_strokes_side_by_side_are_two_things():
+    image = picture(0.3 * stroke(2.0), (255, 255, 255))
+    dark = np.roll(stroke(2.0), (2, -1), axis=(0, 1))[..., None] * 0.3
+    image[..., :3] = np.rint(image[..., :3] * (1 - dark))
+    _, count, more = drawn(image)
+    assert count == 1 and more == 2
+
+
+def test_a_bare_ramp_has_nothing_drawn_on_it():
+    ramps, count, more = drawn(picture(0 * X, (0, 0, 0)))
+    assert (count, more) == (1, 0) and (ramps == 0).all()
+
+
+def test_edges_between_surfaces_are_nothing_drawn():
+    cover = np.clip(np.hypot(X - 40, Y - 40) - 24.5, 0, 1)
+    for top in ((255, 255, 255), (0, 0, 90)):
+        assert drawn(picture(cover, top))[2] == 0
+
+
+def test_strokes_in_a_colour_of_the_picture_are_left_to_the_palette():
+    cover = np.maximum(stroke(1.4), (Y > 60) & (Y < 78))
+    assert drawn(picture(cover, (0, 0, 0)))[2] == 0
+
+
+def test_specks_are_nothing_drawn():
+    cover = np.zeros((SIZE, SIZE))
+    cover[10:12, 10:13] = cover[40, 50] = 1
+    assert cover.sum() <= AREA
+    assert drawn(picture(cover, (0, 60, 0)))[2] == 0
+
+
+def test_flat_art_has_nothing_drawn():
+    image = np.full((SIZE, SIZE, 4), 255, np.uint8)
+    image[20:40, 20:60, :3] = 0
+    assert drawn(image)[1:] == (0, 0)
