@@ -124,7 +124,7 @@ def _surfaces(canvas: Canvas, slopes: np.ndarray, count: int,
         return slopes, [], plateaus
     slopes, found = surfaces.separate(canvas, slopes, count, ~plateaus.core)
     plateaus = palette.find_plateaus(canvas, slopes >= 0)
-    keys = plateaus.keys[(plateaus.counts >= overlays.WIDE) & (plateaus.full > 0)][:palette.MANY]
+    keys = plateaus.keys[plateaus.counts >= overlays.WIDE][:palette.MANY]
     labels = palette.known_labels(canvas, plateaus, keys, ROUNDING)
     count = overlays.add_drawn(canvas, slopes, found, keys, labels)
     gradients = [surface.gradient for surface in found] + [None] * (count - len(found))

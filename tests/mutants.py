@@ -56,8 +56,8 @@ MUTANTS = {
     "curves may leave the picture": Mutant(
         "fit.py", "control[bulging] = np.clip(control[bulging], 0, size)", "pass", "robust_any"),
     "half-written files stay": Mutant("svg.py", "os.unlink(beside)", "pass", "svg robust_luck"),
-    "bombs are unpacked": Mutant(
-        "raster.py", "if image.width * image.height > max_pixels:", "if False:", "raster robust_files"),
+    "devices are read": Mutant(
+        "raster.py", "if not stat.S_ISREG(os.stat(source).st_mode):", "if False:", "raster"),
     "wrong corner of a triangle": Mutant(
         "border.py", "mesh.points(mesh.triangles[triangles])", "mesh.points(mesh.triangles[triangles][:, [0, 0, 1]])",
         "border position"),

@@ -171,7 +171,7 @@ def _with_atheris(seconds: int, folder: str) -> int:
     path = os.pathsep.join([os.path.dirname(os.path.abspath(__file__)), ROOT, os.path.join(ROOT, "tests")])
     return subprocess.call(
         [sys.executable, "-c", code, f"-max_total_time={seconds}", "-max_len=4096", "-timeout=60",
-         "-rss_limit_mb=3000", "-print_final_stats=1", f"-artifact_prefix={folder}/", pool],
+         "-rss_limit_mb=0", "-malloc_limit_mb=2000", "-print_final_stats=1", f"-artifact_prefix={folder}/", pool],
         env={**os.environ, "PYTHONPATH": path})
 
 
