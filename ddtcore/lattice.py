@@ -15,6 +15,7 @@ import numpy as np
 
 from .model import LINE, Curves, Labels, Mesh, PlanarMap, Polylines
 from .options import TraceOptions
+from .reduction import scaled
 from .triangulation import ribbon_mesh, start_ribbon
 
 FINE = 4
@@ -63,9 +64,18 @@ def along_pixels(mesh: Mesh, planar: PlanarMap) -> Tuple[Polylines, Curves]:
 def magnified(planar: PlanarMap, lines: Polylines, curves: Curves,
               times: int) -> Tuple[PlanarMap, Polylines, Curves]:
     """Faces and arcs at a multiple of their size, so that shapes as narrow as a pixel can overlap neatly."""
-    faces = np.repeat(np.repeat(planar.pixel_faces, times, axis=0), times, axis=1)
-    return (replace(planar, pixel_faces=faces), replace(lines, points=lines.points * times),
-            replace(curves, control=curves.control * times))
+    return (replace(planar, pixel_faces=_repeated(planar.pixel_faces, times)),
+            replace(lines, points=lines.points * times), replace(curves, control=curves.control * times))
+
+
+def magnified_paint(image: np.ndarray, labels: Labels, times: int) -> Tuple[np.ndarray, Labels]:
+    """The picture and its gradients at a multiple of their size."""
+    gradients = tuple(scaled(gradient, times) for gradient in labels.gradients or ())
+    return _repeated(image, times), replace(labels, gradients=gradients or None)
+
+
+def _repeated(plane: np.ndarray, times: int) -> np.ndarray:
+    return np.repeat(np.repeat(plane, times, axis=0), times, axis=1)
 
 
 def _walks(mesh: Mesh, planar: PlanarMap) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -114,6 +114,7 @@ def _draw(image: np.ndarray, labels: Labels, options: TraceOptions, begin: Calla
     if crisp:
         times = lattice.parts(planar.pixel_faces.shape)
         planar, lines, curves = lattice.magnified(planar, *lattice.along_pixels(mesh, planar), times)
+        image, painted = lattice.magnified_paint(image, painted, times)
     else:
         lines = position.place(even, labels, mesh, planar, options)
         del mesh
@@ -123,7 +124,7 @@ def _draw(image: np.ndarray, labels: Labels, options: TraceOptions, begin: Calla
     begin("shapes")
     drawing = stacking.stack(image, painted, planar, lines, curves, options)
     if times > 1:
-        drawing = enlarge(drawing, 1 / times, image.shape[1], image.shape[0])
+        drawing = enlarge(drawing, 1 / times, *labels.index.shape[::-1])
     if options.regions == "black-white" and opaque:
         drawing = ink.on_paper(drawing, options)
     drawing = grouping.group(drawing, options)

@@ -90,7 +90,7 @@ def enlarge(drawing: Drawing, factor: float, width: int, height: int) -> Drawing
 
     shapes = tuple(
         replace(shape, loops=tuple(Loop(grown(loop.control), loop.degree) for loop in shape.loops),
-                area=shape.area * factor ** 2, gradient=_grown(shape.gradient, factor))
+                area=shape.area * factor ** 2, gradient=scaled(shape.gradient, factor))
         for shape in drawing.shapes)
     triangles = drawing.triangles
     if triangles is not None:
@@ -98,7 +98,8 @@ def enlarge(drawing: Drawing, factor: float, width: int, height: int) -> Drawing
     return replace(drawing, width=width, height=height, shapes=shapes, triangles=triangles)
 
 
-def _grown(gradient: Optional[Gradient], factor: float) -> Optional[Gradient]:
+def scaled(gradient: Optional[Gradient], factor: float) -> Optional[Gradient]:
+    """The gradient of a picture that is larger by a factor."""
     if gradient is None:
         return None
     start, end = ((x * factor, y * factor) for x, y in (gradient.start, gradient.end))

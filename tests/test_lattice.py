@@ -7,12 +7,14 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from meshes import exact_labels, grey
+from painted import render
 from pictures import any_picture
 
 from ddtcore.lattice import FINE, MOST, along_pixels, magnified, parts, square_mesh
 from ddtcore.model import LINE
 from ddtcore.options import TraceOptions
 from ddtcore.outline import link_outlines
+from ddtcore.pipeline import trace
 
 
 def traced(image):
@@ -75,3 +77,13 @@ def test_magnified_maps_are_the_same_in_finer_pixels():
 
 def test_large_pictures_are_not_magnified():
     assert parts((64, 64)) == FINE and parts((MOST, 1)) == 1 and parts((10 ** 5, 10 ** 5)) == 1
+
+
+def test_gradients_lie_where_their_pixels_are():
+    """Shapes are cut at a multiple of the picture's size; what they are painted with must follow."""
+    image = np.full((40, 60, 4), 255, np.uint8)
+    image[8:32, 10:50, 0] = np.linspace(20, 235, 40).astype(np.uint8)
+    drawing = trace(image, TraceOptions(curves="crisp"))
+    soft = [shape for shape in drawing.shapes if shape.gradient is not None]
+    assert len(soft) == 1
+    assert np.abs(render(drawing, 1, page="white")[..., :3].astype(float) - image[..., :3]).max() < 8
