@@ -100,9 +100,19 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
               " pillow, or on Debian and Ubuntu by apt-get install python3-numpy python3-pil", file=sys.stderr)
         return 1
     except BrokenPipeError:
-        # The reader has what it wanted.  Without this Python would complain when it flushes at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        # The reader has what it wanted.
         return 0
+    finally:
+        _let_go()
+
+
+def _let_go() -> None:
+    """Forget what nobody can take: Python would complain about it when it flushes at exit."""
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except OSError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def _run(parser: _Parser, arguments: Sequence[str], page: bool) -> int:
