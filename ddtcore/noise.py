@@ -40,6 +40,7 @@ REDUCED = 64
 _LOW = 32
 _HIGH = 48
 _UNEVEN = 2
+_APART = 8
 _SAMPLE = 1 << 14
 _VOTES = 1 << 16
 _FEW = 13
@@ -71,7 +72,7 @@ def noise_level(canvas: Canvas, core: np.ndarray, slopes: np.ndarray) -> Tuple[f
     here, span = canvas.colours(cells), _spans(canvas, cells)
     bends = [canvas.colours(cells - step) + canvas.colours(cells + step) - 2 * here
              for step in (1, canvas.stride)]
-    uneven = np.abs(bends).max(axis=(0, 1)) > _UNEVEN
+    uneven = (np.abs(bends).max(axis=(0, 1)) > _UNEVEN) & ~_between_plateaus(canvas, core, cells, span)
     rippled = np.mean(uneven & (span <= _LOW))
     if rippled < 0.05 or rippled * share < 0.005:
         return ROUNDING, False
@@ -133,6 +134,16 @@ def _spans(canvas: Canvas, cells: np.ndarray) -> np.ndarray:
     """How much the colours within 3 x 3 of pixels differ, levels: the largest range of a channel."""
     around = canvas.colours(cells + np.append(window(canvas.stride, 1, 1), 0)[:, None])
     return (around.max(axis=1) - around.min(axis=1)).max(axis=0)
+
+
+def _between_plateaus(canvas: Canvas, core: np.ndarray, cells: np.ndarray, span: np.ndarray) -> np.ndarray:
+    """Whether pixels lie between plateaus that differ as much as their surroundings: edges, however faint."""
+    around = cells + window(canvas.stride, 1, 2)[:, None]
+    colours, flat = canvas.colours(around), canvas.rimmed(core, False)[around]
+    highest = np.where(flat, colours, -np.inf).max(axis=1)
+    lowest = np.where(flat, colours, np.inf).min(axis=1)
+    reach = (highest - lowest).max(axis=0)
+    return (reach > _APART) & (reach >= 0.8 * span)
 
 
 def noisy_colours(canvas: Canvas, plateaus: Plateaus, noise: float) -> np.ndarray:

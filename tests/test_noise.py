@@ -7,7 +7,7 @@ import io
 
 import numpy as np
 import pytest
-from artwork import CARTOON, colours_of, draw, palette_of
+from artwork import CARTOON, colours_of, disc, draw, everywhere, palette_of
 
 from ddtcore.canvas import prepare
 from ddtcore.components import label_components
@@ -142,3 +142,11 @@ def test_few_colours_stay_exact():
     image = np.concatenate([image, image, image, np.full_like(image, 255)], axis=-1)
     labels = posterise(prepare(image), 8)
     np.testing.assert_array_equal(labels.palette[labels.index], image)
+
+
+def test_faint_edges_are_no_noise():
+    """Shades of one colour beside each other: their edges are small steps, but clean ones."""
+    shades = [(237, 212, 168, 255), (222, 197, 153, 255), (251, 223, 153, 255)]
+    image = draw(60, 60, [((255, 255, 255, 255), everywhere), (shades[0], disc(30, 30, 24)),
+                          (shades[1], disc(22.3, 30.2, 9)), (shades[2], disc(37.6, 29.7, 9))])
+    assert level(image) == (ROUNDING, False)
