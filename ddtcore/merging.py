@@ -84,12 +84,12 @@ def merge_twins(labels: Labels, colours: np.ndarray) -> Labels:
     near &= np.bincount(one * count + other, minlength=count * count).reshape(count, count) >= MEETING
     into = np.arange(count, dtype=labels.index.dtype)
     free = np.ones(count, bool)
-    for k in np.argsort(-np.bincount(labels.index.ravel(), minlength=count), kind="stable"):
+    for k in np.argsort(-_sizes(labels), kind="stable"):
         if free[k]:
             joined = near[k] & free
             into[joined] = k
             free[joined] = free[k] = False
-    return drop_unused(replace(labels, index=into[labels.index]))
+    return _renumbered(labels, into)
 
 
 def ward_groups(points: np.ndarray, weights: np.ndarray, most: int) -> np.ndarray:
@@ -188,12 +188,24 @@ def _best_neighbours(region: np.ndarray, size: np.ndarray, area: float) -> np.nd
 
 def drop_unused(labels: Labels) -> Labels:
     """Remove the colours that no pixel has."""
+    return _renumbered(labels, np.arange(len(labels.palette)))
+
+
+def _renumbered(labels: Labels, into: np.ndarray) -> Labels:
+    """Labels (K,) replaced by others of them, and those that no pixel has removed."""
     used = np.zeros(len(labels.palette), bool)
-    used[labels.index.ravel()] = True
-    if used.all():
+    used[into[_sizes(labels) > 0]] = True
+    number = (np.cumsum(used) - 1).astype(np.int32)[into]
+    if (number == np.arange(len(number))).all():
         return labels
-    number = (np.cumsum(used) - 1).astype(np.int32)
     ramp = None if labels.ramp is None else labels.ramp[used]
     gradients = labels.gradients and tuple(labels.gradients[k] for k in np.flatnonzero(used).tolist())
     return replace(labels, index=number[labels.index], palette=labels.palette[used], ramp=ramp,
                    gradients=gradients)
+
+
+def _sizes(labels: Labels) -> np.ndarray:
+    """Number of pixels of each label; runs of one label are counted at once."""
+    flat = labels.index.ravel()
+    heads = np.flatnonzero(np.append(True, flat[1:] != flat[:-1])[:flat.size])
+    return np.bincount(flat[heads], np.diff(np.append(heads, flat.size)), len(labels.palette))

@@ -85,12 +85,17 @@ def _number(ramps: np.ndarray, count: int, right: np.ndarray, down: np.ndarray, 
     """Number the areas of linked pixels that are ramps, in place; returns how many ramps there are then."""
     area, size = linked_areas(right, down)
     chosen = _many_levels(area, size, sloped, key)
-    # The last place is for the pixels that are in no area.
-    number = np.full(size.size + 1, -1, np.int32)
+    number = np.full(size.size, -1, np.int32)
     number[chosen] = np.arange(count, count + chosen.size)
-    number = number[area]
-    ramps[number >= 0] = number[number >= 0]
+    _put(ramps, area, number)
     return count + chosen.size
+
+
+def _put(ramps: np.ndarray, area: np.ndarray, number: np.ndarray) -> None:
+    """Give pixels the number of their area, in place, where both there is an area and it has a number."""
+    inside = np.flatnonzero(area >= 0)
+    number = number[area.ravel()[inside]]
+    ramps.ravel()[inside[number >= 0]] = number[number >= 0]
 
 
 def _add_narrow(canvas: Canvas, ramps: np.ndarray, count: int, uneven: np.ndarray) -> int:
@@ -115,10 +120,10 @@ def _add_narrow(canvas: Canvas, ramps: np.ndarray, count: int, uneven: np.ndarra
     more = np.full(canvas.shape, -1, np.int32)
     total = _number(more, 0, right, down, sloped, key)
     apart = np.ones(total, bool)
-    near = more[_widened(ramps >= 0)]
-    apart[near[near >= 0]] = False
-    number = np.append(np.where(apart, count + np.cumsum(apart) - 1, -1), -1)[more]
-    ramps[number >= 0] = number[number >= 0]
+    if count:
+        near = more[_widened(ramps >= 0)]
+        apart[near[near >= 0]] = False
+    _put(ramps, more, np.where(apart, count + np.cumsum(apart) - 1, -1))
     return count + int(np.count_nonzero(apart))
 
 
