@@ -3,17 +3,19 @@
 
 On a ramp nothing is flat, so a stroke is what differs from the ramp's own colour there.
 A pixel that no mix of the surfaces around it explains belongs to something drawn;
-connected pixels that differ in the same direction are one thing.
+connected pixels that differ in the same direction are one thing.  Strokes thinner than a
+pixel are left to the stage that knows flat colours, with the colours of their inks.
 """
 
 from __future__ import annotations
 
-from typing import List
+from typing import List, Tuple
 
 import numpy as np
 
 from .canvas import Canvas, planes
 from .components import label_components
+from .hairlines import Inks
 from .mixes import length, segment_distance
 from .sides import SLOTS, near_samples
 from .surfaces import Surface
@@ -37,7 +39,7 @@ _PLAIN = 0.25
 
 
 def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: np.ndarray,
-              labels: np.ndarray) -> int:
+              labels: np.ndarray) -> Tuple[int, np.ndarray]:
     """Number the things drawn on ramps like further ramps, in place.
 
     Parameters
@@ -53,8 +55,11 @@ def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: 
 
     Returns
     -------
-    int
+    count : int
         How many ramps and drawn things there are.
+    inks : ndarray of dtype uint32
+        Colours of strokes thinner than a pixel, packed; these are not numbered, for
+        their pixels vary by what they cover of them.
     """
     count = len(surfaces)
     known = canvas.rimmed(ramps, -1)
@@ -66,7 +71,7 @@ def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: 
     some = beside.any(axis=0)
     cells, samples = cells[some], samples[:, some]
     if not cells.size:
-        return count
+        return count, np.zeros(0, np.uint32)
     sides = _side_colours(canvas, known, cells, samples, surfaces)
     here = canvas.colours(cells)
     base = sides[:, beside[:, some].argmax(axis=0), np.arange(cells.size)]
@@ -76,11 +81,13 @@ def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: 
     size = np.bincount(area)
     chosen = np.flatnonzero((size >= AREA) & ~_flat(area, here, base, planes(keys, canvas.opaque)))
     chosen = chosen[np.argsort(-size[chosen], kind="stable")[:max(MANY - count, 0)]]
+    thin, inks = _thin(Inks(canvas, cells, sides[..., drawn], samples[:, drawn] >= 0), area, chosen)
+    chosen = chosen[~thin]
     number = np.full(size.size, -1, np.int32)
     number[chosen] = np.arange(count, count + chosen.size)
     row, col = canvas.places(cells)
     ramps[row, col] = number[area]
-    return count + chosen.size
+    return count + chosen.size, inks
 
 
 def _side_colours(canvas: Canvas, known: np.ndarray, cells: np.ndarray, samples: np.ndarray,
@@ -117,6 +124,15 @@ def _areas(canvas: Canvas, cells: np.ndarray, off: np.ndarray) -> np.ndarray:
     side[row, col] = np.where(off.sum(axis=0) > 0, 1, 2)
     _, number = np.unique(label_components(side, 8)[row, col], return_inverse=True)
     return number
+
+
+def _thin(search: Inks, area: np.ndarray, chosen: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Which of some areas are strokes thinner than a pixel or scraps of such, bool; and their inks, packed."""
+    members = np.split(np.argsort(area, kind="stable"), np.cumsum(np.bincount(area))[:-1])
+    found = [search.find(members[k]) for k in chosen.tolist()]
+    inks = np.unique(np.array([ink for ink in found if ink is not None], np.uint32))
+    thin = [ink is not None or search.are_scraps(members[k], inks) for k, ink in zip(chosen.tolist(), found)]
+    return np.array(thin, bool), inks
 
 
 def _flat(area: np.ndarray, here: np.ndarray, base: np.ndarray, colours: np.ndarray) -> np.ndarray:

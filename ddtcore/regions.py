@@ -84,9 +84,9 @@ def label_flat_art(canvas: Canvas) -> Labels:
         plateaus = palette.find_plateaus(canvas, slopes >= 0)
         keys = noisy_colours(canvas, plateaus, noise)
     else:
-        slopes, gradients, plateaus = _surfaces(canvas, slopes, count, plateaus)
+        slopes, gradients, plateaus, inks = _surfaces(canvas, slopes, count, plateaus)
         count = len(gradients)
-        keys = palette.choose_colours(canvas, plateaus, count > 0)
+        keys = _with_inks(canvas, palette.choose_colours(canvas, plateaus, count > 0), inks)
     if not keys.size and not count:
         return posterise(canvas, MANY)
 
@@ -117,18 +117,25 @@ def label_flat_art(canvas: Canvas) -> Labels:
     return _merge_ripples(canvas, result, noise) if rippled else merging.drop_unused(result)
 
 
-def _surfaces(canvas: Canvas, slopes: np.ndarray, count: int,
-              plateaus: palette.Plateaus) -> Tuple[np.ndarray, List[Optional[Gradient]], palette.Plateaus]:
-    """Ramps that one gradient each explains, with it, and what is drawn on them; and the plateaus left."""
+def _with_inks(canvas: Canvas, keys: np.ndarray, inks: np.ndarray) -> np.ndarray:
+    """Flat colours, and the inks of strokes that are none of them."""
+    known, more = planes(keys, canvas.opaque), planes(inks, canvas.opaque)
+    off = np.abs(more[:, :, None] - known[:, None]).max(axis=0)
+    return np.append(keys, inks[(off >= strokes.TWIN).all(axis=1)])
+
+
+def _surfaces(canvas: Canvas, slopes: np.ndarray, count: int, plateaus: palette.Plateaus
+              ) -> Tuple[np.ndarray, List[Optional[Gradient]], palette.Plateaus, np.ndarray]:
+    """Ramps that one gradient each explains, with it, and what is drawn on them; plateaus left, and inks."""
     if not count:
-        return slopes, [], plateaus
+        return slopes, [], plateaus, np.zeros(0, np.uint32)
     slopes, found = surfaces.separate(canvas, slopes, count, ~plateaus.core)
     plateaus = palette.find_plateaus(canvas, slopes >= 0)
     keys = plateaus.keys[plateaus.counts >= overlays.WIDE][:palette.MANY]
     labels = palette.known_labels(canvas, plateaus, keys, ROUNDING)
-    count = overlays.add_drawn(canvas, slopes, found, keys, labels)
+    count, inks = overlays.add_drawn(canvas, slopes, found, keys, labels)
     gradients = [surface.gradient for surface in found] + [None] * (count - len(found))
-    return slopes, gradients, palette.find_plateaus(canvas, slopes >= 0)
+    return slopes, gradients, palette.find_plateaus(canvas, slopes >= 0), inks
 
 
 def _label_unknown(canvas: Canvas, labels: np.ndarray, ridges: strokes.Ridges, keys: np.ndarray,

@@ -137,6 +137,18 @@ def test_strokes_on_a_gradient_are_shapes_of_their_own():
     assert 10 * math.log10(255 ** 2 / (off ** 2).mean()) > 36
 
 
+@pytest.mark.parametrize("width", [0.6, 0.7, 1.0])
+@pytest.mark.parametrize("name", ["linear", "radial"])
+def test_a_thin_rim_has_the_colour_of_its_ink(name, width):
+    gradient = CASES[name][0]
+    body = BLUE + DISC.replace("/>", f' stroke="#000" stroke-width="{width}"/>')
+    drawing = trace(rendered(gradient, body))
+    rims = [shape for shape in drawing.shapes if max(shape.rgb) < 40 and shape.gradient is None]
+    assert rims and sum(shape.gradient is not None for shape in drawing.shapes) == 1
+    off = over(render(drawing, 4).astype(float), 255) - over(rendered(gradient, body, 4).astype(float), 255)
+    assert 10 * math.log10(255 ** 2 / (off ** 2).mean()) > 30
+
+
 def test_faces_share_the_gradient_that_a_bar_cuts_in_two():
     gradient, body = CASES["linear"]
     drawing = trace(rendered(gradient, body + '<rect x="70" width="12" height="160" fill="#2288cc"/>'))

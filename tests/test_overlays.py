@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ddtcore.canvas import prepare
+from ddtcore.canvas import prepare, unpack
 from ddtcore.overlays import AREA, add_drawn
 from ddtcore.palette import find_plateaus, known_labels
 from ddtcore.ramps import find_ramps
@@ -38,7 +38,7 @@ def drawn(image):
     plateaus = find_plateaus(canvas, ramps >= 0)
     keys = plateaus.keys[(plateaus.counts >= 64) & (plateaus.full > 0)]
     labels = known_labels(canvas, plateaus, keys, 2.0)
-    return ramps, len(surfaces), add_drawn(canvas, ramps, surfaces, keys, labels) - len(surfaces)
+    return ramps, len(surfaces), add_drawn(canvas, ramps, surfaces, keys, labels)[0] - len(surfaces)
 
 
 @pytest.mark.parametrize("width", [1.2, 2.0, 3.0])
@@ -74,6 +74,16 @@ def test_edges_between_surfaces_are_nothing_drawn():
 def test_strokes_in_a_colour_of_the_picture_are_left_to_the_palette():
     cover = np.maximum(stroke(1.4), (Y > 60) & (Y < 78))
     assert drawn(picture(cover, (0, 0, 0)))[2] == 0
+
+
+@pytest.mark.parametrize("top", [(0, 0, 0), (255, 255, 255)])
+def test_strokes_thinner_than_a_pixel_give_inks(top):
+    canvas = prepare(picture(stroke(0.8), top))
+    ramps, surfaces = separate(canvas, *find_ramps(canvas), np.zeros(canvas.shape, bool))
+    none = np.full(canvas.keys.size, -1, np.int32)
+    count, inks = add_drawn(canvas, ramps, surfaces, np.zeros(0, np.uint32), none)
+    assert count == len(surfaces) == 1 and unpack(inks)[:, :3].tolist() == [list(top)]
+    assert (ramps[stroke(0.8) > 0.5] == -1).all()
 
 
 def test_specks_are_nothing_drawn():
