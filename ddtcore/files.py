@@ -84,6 +84,16 @@ def trace_file(path: Union[str, os.PathLike[str]], out: Union[str, os.PathLike[s
         If the picture can't be read.
     OSError
         If the drawing can't be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from PIL import Image
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     picture = os.path.join(folder, "picture.png")
+    ...     Image.new("RGB", (8, 6), "navy").save(picture)
+    ...     os.path.basename(trace_file(picture))
+    'picture.svg'
     """
     source = os.fspath(path)
     target = default_target(source) if out is None else os.fspath(out)

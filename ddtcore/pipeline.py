@@ -65,6 +65,13 @@ def trace(image: np.ndarray, options: Optional[TraceOptions] = None,
     -------
     Drawing
         If a budget was reached, its notes say so.
+
+    Examples
+    --------
+    >>> picture = np.full((20, 30, 4), 255, np.uint8)
+    >>> picture[5:15, 8:20, :3] = 200, 30, 40
+    >>> [shape.rgb for shape in trace(picture).shapes]
+    [(255, 255, 255), (200, 30, 40)]
     """
     image = check_image(image)
     options, chosen = choice.settle(image, options)

@@ -63,6 +63,15 @@ def load_image(source: Source, max_pixels: int = 200_000_000) -> np.ndarray:
     ------
     ImageError
         If there is no such file, if it is no picture, damaged or too large.
+
+    Examples
+    --------
+    >>> load_image(b"P1 3 2  0 1 0  1 0 1").shape
+    (2, 3, 4)
+    >>> load_image("missing.png")
+    Traceback (most recent call last):
+    ...
+    ddtcore.raster.ImageError: missing.png can't be opened: No such file or directory
     """
     if isinstance(source, bytes):
         return _decode(io.BytesIO(source), "the input", max_pixels)
