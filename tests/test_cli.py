@@ -264,11 +264,12 @@ class TestUnix:
     @pytest.mark.parametrize("jobs", (1, 2))
     def test_interruption_is_silent_and_leaves_no_file(self, folder, jobs):
         # The file is half written when Ctrl-C comes, to the whole group as from a terminal.
+        # One write per line: those of two processes may come in any order, but not mixed.
         code = f"""if True:
-            import sys, time, ddtcore.svg, ddtcore.cli
+            import os, sys, time, ddtcore.svg, ddtcore.cli
             def pieces(*arguments):
                 yield b"half a "
-                print("ready", flush=True)
+                os.write(1, b"ready\\n")
                 time.sleep(60)
             ddtcore.svg.encoded = pieces
             sys.exit(ddtcore.cli.main(["a.png", "b.jpg", "--jobs", "{jobs}"]))"""
