@@ -39,8 +39,18 @@ REACH = 32
 _CELLS = 1 << 15
 """A ramp with more pixels than this is parted at a lower resolution."""
 
-_WORK = 8
-"""The windows in which ramps are parted, and extended, have this many times the area of the picture at most."""
+_FITTED = 1 << 14
+"""A gradient is fitted to this many pixels of a ramp at most."""
+
+_FITS, _COMPARED = 250, 1 << 25
+"""Gradients that are fitted to part ramps, and pixels that are compared with them at most: the largest
+ramps come first, and those for which nothing is left stay in one piece."""
+
+_WORK = 1 << 24
+"""The windows in which ramps are extended have this area at most, px²."""
+
+_STRIP = 1 << 20
+"""Pixels times surfaces that are compared at a time."""
 
 _BEYOND = 1.5
 """How far beyond its ramp a gradient goes on, px."""
@@ -51,6 +61,7 @@ _NEAR = 3
 _CONTACT, _TRIES = 8, 64
 """Fewest pixels where they do so, and how many pairs are tried at most."""
 
+_SEEDS = 72
 _DEEP = 12
 _ROUNDS = 8
 _SMOOTH = 3
@@ -102,16 +113,15 @@ def separate(canvas: Canvas, ramps: np.ndarray, count: int, free: np.ndarray) ->
     """
     out = np.full(ramps.shape, -1, np.int32)
     surfaces: List[Surface] = []
-    work = _WORK * ramps.size
-    for cells in _members(ramps, count):
+    fits, compared = _FITS, _COMPARED
+    for cells in sorted(_members(ramps, count), key=len, reverse=True):
         whole, good = _whole(canvas, cells)
         window = _window(cells, ramps.shape, 0)
         area = (window[0].stop - window[0].start) * (window[1].stop - window[1].start)
-        if good or area > work:
-            parts, some = np.zeros(cells.size, int), [whole]
-        else:
-            work -= area
-            parts, some = _parted(canvas, cells, window, whole)
+        parts, some = np.zeros(cells.size, int), [whole]
+        if not good and fits > 0 and area * MOST <= compared:
+            parts, some, tried = _parted(canvas, cells, window, whole)
+            fits, compared = fits - tried, compared - area * len(some)
         for k, surface in enumerate(some):
             if (parts == k).any():
                 out.ravel()[cells[parts == k]] = len(surfaces)
@@ -190,7 +200,7 @@ def _contacts(ramps: np.ndarray, count: int) -> List[Tuple[int, int, np.ndarray]
 
 def _extend(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], free: np.ndarray) -> None:
     """Extend ramps to the free pixels connected with them that have their colours, in place."""
-    work = _WORK * ramps.size
+    work = _WORK
     for number, cells in enumerate(_members(ramps, len(surfaces))):
         window = _window(cells, ramps.shape, REACH)
         here = ramps[window]
@@ -210,18 +220,18 @@ def _extend(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], free: np
 
 
 def _parted(canvas: Canvas, cells: np.ndarray, window: Tuple[slice, slice],
-            whole: Surface) -> Tuple[np.ndarray, List[Surface]]:
-    """Number of the surface of each pixel of a ramp, -1 for none, and the surfaces."""
-    step = -int(-np.sqrt(cells.size / _CELLS) // 1)
-    mask = np.zeros(canvas.shape, bool)
-    mask.ravel()[cells] = True
-    surfaces = _surfaces(_ramp(canvas, mask[window], window, step), AREA / step**2)
+            whole: Surface) -> Tuple[np.ndarray, List[Surface], int]:
+    """Number of the surface of each pixel of a ramp, -1 for none, the surfaces, and the gradients fitted."""
+    row, col = np.divmod(cells, canvas.shape[1])
+    mask = np.zeros([part.stop - part.start for part in window], bool)
+    mask[row - window[0].start, col - window[1].start] = True
+    step = int(np.ceil(np.sqrt(max(cells.size / _CELLS, mask.size / (8 * _CELLS)))))
+    surfaces, fits = _surfaces(_ramp(canvas, mask, window, step), AREA / step**2)
     if not surfaces:
-        return np.zeros(cells.size, int), [whole]
-    full = _ramp(canvas, mask[window], window, 1)
-    parts = _assigned(full, surfaces)
+        return np.zeros(cells.size, int), [whole], fits
+    parts = _assigned(canvas, mask, window, surfaces)
     _drop_flat(parts, canvas.bare(canvas.keys)[window], surfaces)
-    return parts[mask[window]], surfaces
+    return parts[mask], surfaces, fits
 
 
 def _ramp(canvas: Canvas, mask: np.ndarray, window: Tuple[slice, slice], step: int) -> _Ramp:
@@ -239,19 +249,21 @@ def _off(ramp: _Ramp, surface: Surface) -> np.ndarray:
     return off
 
 
-def _surfaces(ramp: _Ramp, area: float) -> List[Surface]:
-    """Surfaces that together explain most of a ramp, as far as they are wide."""
+def _surfaces(ramp: _Ramp, area: float) -> Tuple[List[Surface], int]:
+    """Surfaces that together explain most of a ramp, as far as they are wide, and the gradients fitted."""
     left = ramp.mask.copy()
     found: List[Surface] = []
-    while len(found) < MOST:
+    fits = 0
+    while len(found) < MOST and fits < _SEEDS:
         seed = _widest(left)
         if seed is None:
             break
-        surface, part = _grown(ramp, left, seed)
+        surface, part, tried = _grown(ramp, left, seed)
+        fits += tried
         if np.count_nonzero(part) >= area:
             found.append(surface)
         left &= ~(part | seed)
-    return found
+    return found, fits
 
 
 def _widest(mask: np.ndarray) -> Optional[np.ndarray]:
@@ -278,19 +290,19 @@ def _eroded(mask: np.ndarray) -> np.ndarray:
     return out
 
 
-def _grown(ramp: _Ramp, left: np.ndarray, seed: np.ndarray) -> Tuple[Surface, np.ndarray]:
-    """The surface of a seed, and all pixels connected with the seed that it explains."""
+def _grown(ramp: _Ramp, left: np.ndarray, seed: np.ndarray) -> Tuple[Surface, np.ndarray, int]:
+    """The surface of a seed, all pixels connected with the seed that it explains, and the gradients fitted."""
     part = seed
     for _ in range(_ROUNDS):
         before, part = part, _reached(ramp, left, seed, _polynomial(ramp, part))
         if np.count_nonzero(part) < 1.05 * np.count_nonzero(before):
             break
-    for _ in range(3):
+    for fits in (1, 2, 3):
         surface = _gradient(ramp.points[part], ramp.colour[part])
         before, part = part, _reached(ramp, left, seed, surface)
         if np.count_nonzero(part) < 1.02 * np.count_nonzero(before):
             break
-    return surface, part
+    return surface, part, fits
 
 
 def _reached(ramp: _Ramp, left: np.ndarray, seed: np.ndarray, surface: Surface) -> np.ndarray:
@@ -321,14 +333,30 @@ def _polynomial(ramp: _Ramp, part: np.ndarray) -> Surface:
 def _gradient(points: np.ndarray, colour: np.ndarray) -> Surface:
     """The gradient of some pixels, or else their median colour, as a surface."""
     reach = np.concatenate([points - _BEYOND, points + _BEYOND])
-    gradient = fit_gradient(Samples(points, colour.astype(np.float64), np.ones(len(points))), reach)
+    some = np.linspace(0, len(points) - 1, min(len(points), _FITTED)).astype(int)
+    count = np.full(some.size, len(points) / some.size)
+    gradient = fit_gradient(Samples(points[some], colour[some].astype(np.float64), count), reach)
     if gradient is None:
         middle = np.median(colour, axis=0)
         return Surface(lambda at: np.broadcast_to(middle, (len(at), len(middle))))
     return Surface(lambda at: colours_at(gradient, at)[:, :colour.shape[1]], gradient)
 
 
-def _assigned(ramp: _Ramp, surfaces: List[Surface]) -> np.ndarray:
+def _assigned(canvas: Canvas, mask: np.ndarray, window: Tuple[slice, slice], surfaces: List[Surface]) -> np.ndarray:
+    """The number of the surface that explains each pixel of a ramp best, -1 for none."""
+    parts = np.full(mask.shape, -1, np.int32)
+    rows = max(8 * _SMOOTH, _STRIP // (mask.shape[1] * len(surfaces)))
+    for first in range(0, len(mask), rows):
+        start, stop = max(first - _SMOOTH, 0), min(first + rows + _SMOOTH, len(mask))
+        strip = slice(window[0].start + start, window[0].start + stop), window[1]
+        nearest = _nearest(_ramp(canvas, mask[start:stop], strip, 1), surfaces)
+        parts[first:first + rows] = nearest[first - start:first - start + rows]
+    area = label_components(parts)
+    parts[np.bincount(area.ravel())[area] < AREA] = -1
+    return parts
+
+
+def _nearest(ramp: _Ramp, surfaces: List[Surface]) -> np.ndarray:
     """The number of the surface that explains each pixel best, -1 for none.
 
     Where several explain it alike, its surroundings decide.
@@ -340,8 +368,6 @@ def _assigned(ramp: _Ramp, surfaces: List[Surface]) -> np.ndarray:
     smooth = np.stack([_blurred(plane) for plane in cost])
     parts = np.where(alike, smooth, np.inf).argmin(axis=0)
     parts[~ramp.mask | (off.min(axis=0) > 2 * FIT)] = -1
-    area = label_components(parts)
-    parts[np.bincount(area.ravel())[area] < AREA] = -1
     return parts
 
 

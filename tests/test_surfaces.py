@@ -115,3 +115,30 @@ def test_no_gradient_at_all_still_ends():
     assert out.max() == len(surfaces) - 1
     assert np.unique(out[out >= 0]).size == len(surfaces)
     assert (out[ramps < 0] == -1).all()
+
+
+TWO_SURFACES = picture(np.where(DISC[..., None], fading_gloss(slope((0, 60, 160), (40, 160, 250), Y)), 255))
+
+
+@pytest.mark.parametrize("budget", ("_FITS", "_COMPARED"))
+def test_ramps_for_which_nothing_is_left_of_the_budget_stay_whole(budget, monkeypatch):
+    assert len(parted(TWO_SURFACES)[3]) == 2
+    monkeypatch.setattr("ddtcore.surfaces." + budget, 0)
+    ramps, _, out, surfaces = parted(TWO_SURFACES)
+    assert len(surfaces) == 1
+    np.testing.assert_array_equal(out, ramps)
+
+
+def test_the_largest_ramps_come_first(monkeypatch):
+    """Of two that need parting, the smaller one is left in one piece."""
+    double = np.concatenate([TWO_SURFACES[20:], TWO_SURFACES])
+    assert len(parted(double)[3]) == 4
+    monkeypatch.setattr("ddtcore.surfaces._FITS", 1)
+    ramps, count, out, _ = parted(double)
+    assert count == 2 and [np.unique(out[ramps == number]).size > 1 for number in (0, 1)] == [False, True]
+
+
+def test_pixels_come_to_the_same_surfaces_in_strips(monkeypatch):
+    whole = parted(TWO_SURFACES)[2]
+    monkeypatch.setattr("ddtcore.surfaces._STRIP", 1)
+    np.testing.assert_array_equal(parted(TWO_SURFACES)[2], whole)
