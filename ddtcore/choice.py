@@ -19,6 +19,9 @@ from .sprites import block_size, packed, reduced
 BLOCK = 4
 """Size of the blocks, px."""
 
+SEEN = 1024
+"""Larger pictures are looked at as if their longer side had this size: what counts as texture is seen from afar, px."""
+
 SAMPLE = 1 << 13
 """Blocks looked at, more or less, in a large picture."""
 
@@ -173,13 +176,17 @@ def _as_photo(image: np.ndarray) -> Choice:
 
 def _blocks(image: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """Mean colour over white (n, 3) of an even sample of blocks, and the largest range of a channel (n,)."""
-    rows, cols = image.shape[0] // BLOCK, image.shape[1] // BLOCK
+    wide = max(1, round(max(image.shape[:2]) / SEEN))
+    side = wide * BLOCK
+    rows, cols = image.shape[0] // side, image.shape[1] // side
     step = max(1, int(np.sqrt(rows * cols / SAMPLE)))
-    blocks = image[:rows * BLOCK, :cols * BLOCK].reshape(rows, BLOCK, cols, BLOCK, 4)[::step, :, ::step]
-    pixels = np.ascontiguousarray(blocks.transpose(1, 3, 4, 0, 2)).reshape(BLOCK ** 2, 4, -1)
+    blocks = image[:rows * side, :cols * side].reshape(rows, BLOCK, wide, cols, BLOCK, wide, 4)[::step, :, :, ::step]
+    if wide > 1:
+        blocks = blocks.sum(axis=(2, 5), keepdims=True, dtype=np.uint32) // wide ** 2
+    pixels = np.ascontiguousarray(blocks.transpose(1, 4, 6, 0, 3, 2, 5)).reshape(BLOCK ** 2, 4, -1)
     colour, alpha = pixels[:, :3], pixels[:, 3:]
     if (alpha < 255).any():
-        colour = 255 - (255 - colour.astype(np.uint16)) * alpha // 255
+        colour = 255 - (255 - colour.astype(np.uint32)) * alpha // 255
     span = (colour.max(axis=0).astype(np.int16) - colour.min(axis=0)).max(axis=0)
     return (colour.sum(axis=0, dtype=np.uint16) / BLOCK ** 2).T, span
 

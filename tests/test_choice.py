@@ -54,6 +54,14 @@ def test_shaded_clip_art_is_clip_art():
         assert choose_preset(image).preset == "clip-art"
 
 
+@pytest.mark.parametrize("times", [3, 5])
+def test_what_is_enlarged_is_looked_at_from_farther_away(times):
+    """A camera's twelve megapixels are smooth from pixel to pixel."""
+    for image, kind in ((photograph(512), "photo"), (clip_art("doctor"), "clip-art")):
+        size = image.shape[1] * times, image.shape[0] * times
+        assert choose_preset(np.asarray(Image.fromarray(image).resize(size, Image.BICUBIC))).preset == kind
+
+
 @pytest.mark.parametrize("channels", [1, 3])
 @pytest.mark.parametrize("spoil", ["as it is", "JPEG 75", "JPEG 40", "half"])
 def test_photographs(channels, spoil):
