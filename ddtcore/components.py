@@ -9,7 +9,7 @@ pixels of a row, which leaves few of them in a picture of flat colours.
 
 from __future__ import annotations
 
-from typing import Optional, Tuple
+from typing import NamedTuple, Optional
 
 import numpy as np
 
@@ -117,7 +117,43 @@ def link_components(right: np.ndarray, down: np.ndarray, down_right: Optional[np
     return components(count, a, b)[run]
 
 
-def linked_areas(right: np.ndarray, down: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+class Areas(NamedTuple):
+    """Connected areas of a grid of pixels, as runs: a picture of flat colours has few of them.
+
+    Attributes
+    ----------
+    heads, tails : ndarray of shape (R,) and dtype int64
+        First pixel of each run, and the one after its last, numbered ``row * width + col``; rising.
+    number : ndarray of shape (R,) and dtype int32
+        Area of each run, numbered from 0 in reading order.
+    size : ndarray of shape (n,) and dtype int64
+        Pixels of each area.
+    """
+
+    heads: np.ndarray
+    tails: np.ndarray
+    number: np.ndarray
+    size: np.ndarray
+
+    def at(self, cells: np.ndarray) -> np.ndarray:
+        """The area of each of some pixels, -1 where there is none."""
+        run = np.searchsorted(self.heads, cells, side="right") - 1
+        inside = run >= 0
+        inside[inside] = cells[inside] < self.tails[run[inside]]
+        out = np.full(cells.shape, -1, np.int32)
+        out[inside] = self.number[run[inside]]
+        return out
+
+    def put(self, values: np.ndarray, given: np.ndarray) -> None:
+        """Write ``given[k]`` to the pixels of area k in a flat array, in place, unless it is negative."""
+        runs = np.flatnonzero(given[self.number] >= 0)
+        length = self.tails[runs] - self.heads[runs]
+        before = np.cumsum(length) - length
+        cells = np.arange(length.sum()) + np.repeat(self.heads[runs] - before, length)
+        values[cells] = np.repeat(given[self.number[runs]], length)
+
+
+def linked_areas(right: np.ndarray, down: np.ndarray) -> Areas:
     """Number the connected components of the pixels that are linked at all.
 
     Parameters
@@ -128,31 +164,23 @@ def linked_areas(right: np.ndarray, down: np.ndarray) -> Tuple[np.ndarray, np.nd
 
     Returns
     -------
-    area : ndarray of shape (H, W) and dtype int32
-        Component of each pixel, numbered from 0 in reading order; -1 for pixels without links.
-    size : ndarray of shape (n,) and dtype int64
-        Pixels of each component.
+    Areas
     """
     linked = np.zeros((right.shape[0], down.shape[1]), bool)
     for one, other, links in ((linked[:, :-1], linked[:, 1:], right), (linked[:-1], linked[1:], down)):
         one |= links
         other |= links
     # Only where runs of linked pixels begin and end something is to be done.
-    begins, ends = linked.copy(), linked.copy()
+    begins, ends = linked.copy(), linked
     begins[:, 1:] &= ~right
     ends[:, :-1] &= ~right
     heads, tails = np.flatnonzero(begins), np.flatnonzero(ends) + 1
     needed = down.copy()
     needed[:, 1:] &= ~(down[:, :-1] & right[:-1] & right[1:])
     upper = np.flatnonzero(needed)
-    a, b = (np.searchsorted(heads, cells, side="right") - 1 for cells in (upper, upper + linked.shape[1]))
+    a, b = (np.searchsorted(heads, cells, side="right") - 1 for cells in (upper, upper + down.shape[1]))
     number = components(heads.size, a, b)
-    size = np.bincount(number, tails - heads).astype(np.int64)
-    # Gaps and runs take turns.
-    area = np.full(2 * heads.size + 1, -1, np.int32)
-    area[1::2] = number
-    bounds = np.concatenate([[0], np.stack([heads, tails], axis=1).ravel(), [linked.size]])
-    return np.repeat(area, np.diff(bounds)).reshape(linked.shape), size
+    return Areas(heads, tails, number, np.bincount(number, tails - heads).astype(np.int64))
 
 
 def label_components(labels: np.ndarray, connectivity: int = 4) -> np.ndarray:

@@ -15,7 +15,7 @@ from typing import Tuple
 import numpy as np
 
 from .canvas import Canvas, planes
-from .components import label_components, linked_areas
+from .components import components, label_components, linked_areas
 from .gradient import BYTES, PRICE
 from .model import Labels
 from .sides import window
@@ -67,64 +67,66 @@ def find_ramps(canvas: Canvas) -> Tuple[np.ndarray, int]:
     block = right[1:] & right[:-1]
     block &= down[:, 1:]
     block &= down[:, :-1]
-    sloped = block & ~(flat_right[1:] & flat_right[:-1] & flat_down[:, 1:])
+    uneven = flat_right[1:] & flat_right[:-1]
+    uneven &= flat_down[:, 1:]
+    np.logical_not(uneven, out=uneven)
+    corner = np.flatnonzero(block & uneven)
     ramps = np.full(canvas.shape, -1, np.int32)
     count = 0
-    if np.count_nonzero(sloped) >= AREA:
+    if corner.size >= AREA:
+        row, col = np.divmod(corner, block.shape[1])
+        sloped = row * key.shape[1] + col
         right[...], down[...] = False, False
         right[1:] |= block
         right[:-1] |= block
         down[:, 1:] |= block
         down[:, :-1] |= block
-        count = _number(ramps, 0, right, down, np.pad(sloped, ((0, 1), (0, 1)), mode="constant"), key)
-    return ramps, _add_narrow(canvas, ramps, count, ~(flat_right[1:] & flat_right[:-1] & flat_down[:, 1:]))
+        areas = linked_areas(right, down)
+        chosen = _many_levels(areas.at(sloped), areas.size, key[row, col])
+        areas.put(ramps.ravel(), _numbered(chosen, areas.size.size, 0))
+        count = chosen.size
+    return ramps, _add_narrow(canvas, ramps, count, uneven)
 
 
-def _number(ramps: np.ndarray, count: int, right: np.ndarray, down: np.ndarray, sloped: np.ndarray,
-            key: np.ndarray) -> int:
-    """Number the areas of linked pixels that are ramps, in place; returns how many ramps there are then."""
-    area, size = linked_areas(right, down)
-    chosen = _many_levels(area, size, sloped, key)
-    number = np.full(size.size, -1, np.int32)
-    number[chosen] = np.arange(count, count + chosen.size)
-    _put(ramps, area, number)
-    return count + chosen.size
-
-
-def _put(ramps: np.ndarray, area: np.ndarray, number: np.ndarray) -> None:
-    """Give pixels the number of their area, in place, where both there is an area and it has a number."""
-    inside = np.flatnonzero(area >= 0)
-    number = number[area.ravel()[inside]]
-    ramps.ravel()[inside[number >= 0]] = number[number >= 0]
+def _numbered(chosen: np.ndarray, size: int, first: int) -> np.ndarray:
+    """Numbers from `first` on for the chosen ones of some areas, -1 for the others."""
+    number = np.full(size, -1, np.int32)
+    number[chosen] = np.arange(first, first + chosen.size)
+    return number
 
 
 def _add_narrow(canvas: Canvas, ramps: np.ndarray, count: int, uneven: np.ndarray) -> int:
     """Number further ramps, apart from the others, that are even within 3 x 3 only, in place."""
     busy = np.zeros(canvas.shape, bool)
-    busy[1:-1, 1:-1] = uneven[1:, 1:] & uneven[:-1, :-1] & uneven[1:, :-1] & uneven[:-1, 1:]
-    cells = canvas.cells(busy & (ramps < 0))
+    busy[1:-1, 1:-1] = uneven[1:, 1:] & uneven[:-1, :-1]
+    busy[1:-1, 1:-1] &= uneven[1:, :-1] & uneven[:-1, 1:]
+    if count:
+        busy &= ramps < 0
+    cells = canvas.cells(busy)
     even = np.empty(cells.size, bool)
     for start in range(0, cells.size, _CHUNK):
         part = slice(start, start + _CHUNK)
         even[part] = _is_plane(canvas, cells[part])
-    if 9 * np.count_nonzero(even) < AREA:
+    middle = cells[even]
+    if 9 * middle.size < AREA:
         return count
-    sloped = np.zeros(canvas.shape, bool)
-    sloped[canvas.places(cells[even])] = True
-    right, down = sloped[:, 1:] | sloped[:, :-1], sloped[1:] | sloped[:-1]
-    for links in (right, down.T):
-        middle = links.copy()
-        links[1:] |= middle[:-1]
-        links[:-1] |= middle[1:]
-    key = canvas.bare(canvas.keys)
-    more = np.full(canvas.shape, -1, np.int32)
-    total = _number(more, 0, right, down, sloped, key)
-    apart = np.ones(total, bool)
-    if count:
-        near = more[_widened(ramps >= 0)]
-        apart[near[near >= 0]] = False
-    _put(ramps, more, np.where(apart, count + np.cumsum(apart) - 1, -1))
-    return count + int(np.count_nonzero(apart))
+    # What is even round pixels that are two apart is connected.
+    edges = []
+    for step in window(canvas.stride, 1, 2):
+        place = np.searchsorted(middle, middle + step)
+        near = np.flatnonzero(middle[np.minimum(place, middle.size - 1)] == middle + step)
+        edges.append((near, place[near]))
+    area = components(middle.size, *(np.concatenate(ends) for ends in zip(*edges)))
+    around = np.append(window(canvas.stride, 1, 1), 0)[:, None]
+    pairs = np.unique(area.astype(np.int64) << 32 | (middle + around))
+    area, cells = (pairs >> 32).astype(np.int32), pairs.astype(np.uint32).astype(np.int32)
+    size, held = np.bincount(area), canvas.rimmed(ramps >= 0, False)
+    sloped = np.isin(cells, middle)
+    chosen = _many_levels(area[sloped], size, canvas.keys[cells[sloped]])
+    near = held[cells + around].any(axis=0)
+    number = _numbered(chosen[np.bincount(area, near, size.size)[chosen] == 0], size.size, count)[area]
+    ramps[canvas.places(cells[number >= 0])] = number[number >= 0]
+    return max(count, int(number.max()) + 1)
 
 
 def _is_plane(canvas: Canvas, cells: np.ndarray) -> np.ndarray:
@@ -138,27 +140,16 @@ def _is_plane(canvas: Canvas, cells: np.ndarray) -> np.ndarray:
     return plane
 
 
-def _widened(mask: np.ndarray) -> np.ndarray:
-    """The pixels of a mask and their eight neighbours."""
-    rows = mask.copy()
-    rows[1:] |= mask[:-1]
-    rows[:-1] |= mask[1:]
-    out = rows.copy()
-    out[:, 1:] |= rows[:, :-1]
-    out[:, :-1] |= rows[:, 1:]
-    return out
-
-
 def _even_steps(canvas: Canvas, equal: np.ndarray, step: int) -> np.ndarray:
     """Where a pixel equals the next one, or the step to it is small and like those before and after it."""
-    cells = canvas.cells(~equal)
-    even = np.empty(cells.size, bool)
+    places = np.flatnonzero(~equal)
+    row, col = np.divmod(places.astype(np.int32), np.int32(equal.shape[1]))
+    cells = canvas.numbers(row, col)
+    out = equal.copy()
     for start in range(0, cells.size, _CHUNK):
         part = slice(start, start + _CHUNK)
-        even[part] = is_even(*(canvas.colours(cells[part] + k * step) for k in (-1, 0, 1, 2)))
-    out = equal.ravel().copy()
-    out[~out] = even
-    return out.reshape(equal.shape)
+        out.ravel()[places[part]] = is_even(*(canvas.colours(cells[part] + k * step) for k in (-1, 0, 1, 2)))
+    return out
 
 
 def is_even(before: np.ndarray, here: np.ndarray, there: np.ndarray, after: np.ndarray) -> np.ndarray:
@@ -178,13 +169,14 @@ def is_straight(before: np.ndarray, here: np.ndarray, after: np.ndarray) -> np.n
     return off.max(axis=0) <= BEND
 
 
-def _many_levels(area: np.ndarray, size: np.ndarray, sloped: np.ndarray, key: np.ndarray) -> np.ndarray:
-    """Numbers of the areas that have the size, the slopes and the levels of a ramp."""
-    cells = np.flatnonzero(sloped)
-    cells = cells[area.ravel()[cells] >= 0]
-    here, level = area.ravel()[cells], key[np.divmod(cells, key.shape[1])]
-    slopes = np.bincount(here, minlength=size.size)
-    pairs = np.unique(here.astype(np.uint64) << np.uint64(32) | level)
+def _many_levels(area: np.ndarray, size: np.ndarray, level: np.ndarray) -> np.ndarray:
+    """Numbers of the areas that have the size, the slopes and the levels of a ramp.
+
+    `area` and `level` say the area, -1 for none, and the packed colour of each pixel on a slope.
+    """
+    area, level = area[area >= 0], level[area >= 0]
+    slopes = np.bincount(area, minlength=size.size)
+    pairs = np.unique(area.astype(np.uint64) << np.uint64(32) | level)
     levels = np.bincount((pairs >> np.uint64(32)).astype(np.intp), minlength=size.size)
     chosen = np.flatnonzero((size >= AREA) & (levels >= LEVELS) & (slopes >= SLOPING * size))
     return np.sort(chosen[np.argsort(-size[chosen], kind="stable")[:MANY]])

@@ -111,9 +111,15 @@ def test_linked_areas_are_the_components_with_links(seed):
     right = rng.rand(shape[0], shape[1] - 1) < 0.3
     down = rng.rand(shape[0] - 1, shape[1]) < 0.3
     every = link_components(right, down)
-    areas, size = linked_areas(right, down)
+    found = linked_areas(right, down)
+    areas = found.at(np.arange(every.size)).reshape(every.shape)
     lone = np.bincount(every.ravel())[every] == 1
     assert (areas[lone] == -1).all() and areas.dtype == np.int32
-    assert (size == np.bincount(areas[~lone])).all()
+    assert (found.size == np.bincount(areas[~lone])).all()
     # The others keep their order.
     assert (areas[~lone] == np.unique(every[~lone], return_inverse=True)[1].ravel()).all()
+    # Every second area is written.
+    given = np.where(np.arange(found.size.size) % 2, -1, np.arange(found.size.size) + 10)
+    values = np.full(every.size, 7)
+    found.put(values, given)
+    assert (values == np.where((areas < 0) | (areas % 2 == 1), 7, areas + 10).ravel()).all()
