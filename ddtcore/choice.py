@@ -181,12 +181,13 @@ def _blocks(image: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     rows, cols = image.shape[0] // side, image.shape[1] // side
     step = max(1, int(np.sqrt(rows * cols / SAMPLE)))
     blocks = image[:rows * side, :cols * side].reshape(rows, BLOCK, wide, cols, BLOCK, wide, 4)[::step, :, :, ::step]
-    if wide > 1:
-        blocks = blocks.sum(axis=(2, 5), keepdims=True, dtype=np.uint32) // wide ** 2
-    pixels = np.ascontiguousarray(blocks.transpose(1, 4, 6, 0, 3, 2, 5)).reshape(BLOCK ** 2, 4, -1)
+    total = blocks[:, :, 0, :, :, 0].astype(np.uint16)
+    for k in range(1, wide ** 2):
+        total += blocks[:, :, k // wide, :, :, k % wide]
+    pixels = np.ascontiguousarray((total // wide ** 2).transpose(1, 3, 4, 0, 2)).reshape(BLOCK ** 2, 4, -1)
     colour, alpha = pixels[:, :3], pixels[:, 3:]
     if (alpha < 255).any():
-        colour = 255 - (255 - colour.astype(np.uint32)) * alpha // 255
+        colour = 255 - (255 - colour) * alpha // 255
     span = (colour.max(axis=0).astype(np.int16) - colour.min(axis=0)).max(axis=0)
     return (colour.sum(axis=0, dtype=np.uint16) / BLOCK ** 2).T, span
 

@@ -90,7 +90,7 @@ def _tolerances(step: np.ndarray, tolerance: np.ndarray) -> np.ndarray:
 
 def _room(planar: PlanarMap) -> np.ndarray:
     """Largest tolerance of each arc, px, at which the smaller of its two faces cannot shrink to nothing."""
-    area = np.bincount(planar.pixel_faces.ravel(), minlength=len(planar.face_labels)).astype(np.float64)
+    area = planar.face_areas.astype(np.float64)
     area[0] = np.inf
     return SHRINKING * np.sqrt(np.minimum(area[planar.left], area[planar.right]))
 

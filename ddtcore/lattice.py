@@ -64,7 +64,8 @@ def along_pixels(mesh: Mesh, planar: PlanarMap) -> Tuple[Polylines, Curves]:
 def magnified(planar: PlanarMap, lines: Polylines, curves: Curves,
               times: int) -> Tuple[PlanarMap, Polylines, Curves]:
     """Faces and arcs at a multiple of their size, so that shapes as narrow as a pixel can overlap neatly."""
-    return (replace(planar, pixel_faces=_repeated(planar.pixel_faces, times)),
+    faces = _repeated(planar.pixel_faces, times)
+    return (replace(planar, face_areas=planar.face_areas * times ** 2, pixel_faces=faces),
             replace(lines, points=lines.points * times), replace(curves, control=curves.control * times))
 
 

@@ -114,6 +114,8 @@ class PlanarMap:
         Triangle of each junction.
     face_labels : ndarray of shape (F,) and dtype int32
         Label of each face; face 0 is the outside of the picture.
+    face_areas : ndarray of shape (F,) and dtype int64
+        Pixels of each face; those of the outside are not counted.
     pixel_faces : ndarray of shape (H, W) and dtype int32
         Face of each pixel.
     """
@@ -126,6 +128,7 @@ class PlanarMap:
     right: np.ndarray
     junctions: np.ndarray
     face_labels: np.ndarray
+    face_areas: np.ndarray
     pixel_faces: np.ndarray
 
     @property

@@ -61,7 +61,8 @@ def link_outlines(mesh: Mesh, labels: Labels) -> PlanarMap:
     return PlanarMap(
         starts=starts, crossings=crossings, tail=tail, head=head,
         left=faces.of(mesh.triangles[triangle, (side + 1) % 3]), right=faces.of(mesh.triangles[triangle, side]),
-        junctions=junctions.astype(np.int32), face_labels=faces.labels, pixel_faces=faces.pixels())
+        junctions=junctions.astype(np.int32), face_labels=faces.labels,
+        face_areas=np.bincount(faces.numbers, faces.sizes).astype(np.int64), pixel_faces=faces.pixels())
 
 
 def frame_labels(index: np.ndarray) -> np.ndarray:

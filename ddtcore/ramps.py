@@ -117,16 +117,17 @@ def _add_narrow(canvas: Canvas, ramps: np.ndarray, count: int, uneven: np.ndarra
         near = np.flatnonzero(middle[np.minimum(place, middle.size - 1)] == middle + step)
         edges.append((near, place[near]))
     area = components(middle.size, *(np.concatenate(ends) for ends in zip(*edges)))
+    levels = _many_levels(area, 9 * np.bincount(area), canvas.keys[middle])
+    # Few are left whose surroundings need to be looked at.
+    area = _numbered(levels, int(area.max()) + 1, 0)[area]
     around = np.append(window(canvas.stride, 1, 1), 0)[:, None]
-    pairs = np.unique(area.astype(np.int64) << 32 | (middle + around))
+    pairs = np.unique(area[area >= 0].astype(np.int64) << 32 | (middle[area >= 0] + around))
     area, cells = (pairs >> 32).astype(np.int32), pairs.astype(np.uint32).astype(np.int32)
-    size, held = np.bincount(area), canvas.rimmed(ramps >= 0, False)
-    sloped = np.isin(cells, middle)
-    chosen = _many_levels(area[sloped], size, canvas.keys[cells[sloped]])
-    near = held[cells + around].any(axis=0)
-    number = _numbered(chosen[np.bincount(area, near, size.size)[chosen] == 0], size.size, count)[area]
+    held = canvas.rimmed(ramps >= 0, False)[cells + around].any(axis=0)
+    fitting = (np.bincount(area, minlength=levels.size) >= AREA) & (np.bincount(area, held, levels.size) == 0)
+    number = _numbered(np.flatnonzero(fitting), levels.size, count)[area]
     ramps[canvas.places(cells[number >= 0])] = number[number >= 0]
-    return max(count, int(number.max()) + 1)
+    return count + int(np.count_nonzero(fitting))
 
 
 def _is_plane(canvas: Canvas, cells: np.ndarray) -> np.ndarray:

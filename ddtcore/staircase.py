@@ -130,7 +130,7 @@ def dot_arcs(planar: PlanarMap, arc: np.ndarray, pure: np.ndarray) -> np.ndarray
     pure : ndarray of shape (N,) and dtype bool
         Whether both ends of the mesh edge have the plain colour of their face.
     """
-    area = np.bincount(planar.pixel_faces.ravel(), minlength=len(planar.face_labels))
+    area = planar.face_areas
     small = np.minimum(area[planar.left], area[planar.right]) <= DOT
     return small & (planar.left != 0) & (np.bincount(arc, ~pure, len(small)) == 0)
 

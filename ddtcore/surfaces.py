@@ -297,7 +297,9 @@ def _grown(ramp: _Ramp, left: np.ndarray, seed: np.ndarray) -> Tuple[Surface, np
         before, part = part, _reached(ramp, left, seed, _polynomial(ramp, part))
         if np.count_nonzero(part) < 1.05 * np.count_nonzero(before):
             break
-    for fits in (1, 2, 3):
+    fits = 0
+    while fits < 3:
+        fits += 1
         surface = _gradient(ramp.points[part], ramp.colour[part])
         before, part = part, _reached(ramp, left, seed, surface)
         if np.count_nonzero(part) < 1.02 * np.count_nonzero(before):

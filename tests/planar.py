@@ -43,12 +43,13 @@ def planar_map(index) -> Tuple[PlanarMap, Polylines, Curves]:
         left.append(face[a])
         right.append(face[b])
     lines = Polylines(np.array(starts), np.array(points), np.ones(len(points)), np.zeros(len(arcs)))
+    pixel_faces = np.array([[face[r + 1, c + 1] for c in range(width)] for r in range(height)], np.int32)
     planar = PlanarMap(
         starts=np.zeros(len(arcs) + 1, np.int64), crossings=np.zeros(0, np.int32),
         tail=np.array(tail, np.int32), head=np.array(head, np.int32),
         left=np.array(left, np.int32), right=np.array(right, np.int32),
         junctions=np.zeros(len(junctions), np.int32), face_labels=np.array(face_labels, np.int32),
-        pixel_faces=np.array([[face[r + 1, c + 1] for c in range(width)] for r in range(height)], np.int32))
+        face_areas=np.bincount(pixel_faces.ravel(), minlength=len(face_labels)), pixel_faces=pixel_faces)
     return planar, lines, straight(planar, lines)
 
 

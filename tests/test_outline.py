@@ -110,6 +110,8 @@ def face_areas(mesh: Mesh, planar: PlanarMap) -> np.ndarray:
 def assert_valid_map(mesh: Mesh, labels: Labels, planar: PlanarMap) -> None:
     vertex = framed(labels.index, OUTSIDE)
     assert_faces_are_connected_labels(mesh, labels, planar)
+    areas = np.bincount(planar.pixel_faces.ravel(), minlength=len(planar.face_labels))
+    assert np.array_equal(planar.face_areas, areas)
     # Each mixed edge is crossed exactly once.
     origin, end = ends(mesh, np.arange(len(mesh.twins))).T
     mixed = np.flatnonzero((vertex[origin] != vertex[end]) & (np.arange(len(origin)) < mesh.twins))

@@ -109,7 +109,7 @@ def one_arc(points, ring):
     """A map of nothing but one arc between two regions."""
     end, none = np.array([-1 if ring else 0], np.int32), np.zeros(0, np.int32)
     planar = PlanarMap(np.zeros(2, int), none, end, end, np.array([1]), np.array([2]), none,
-                       np.zeros(3, np.int32), np.zeros((1, 1), np.int32))
+                       np.zeros(3, np.int32), np.ones(3, int), np.zeros((1, 1), np.int32))
     points = np.array(points, float) / 3
     return planar, Polylines(np.array([0, len(points)]), points, np.ones(len(points)), np.zeros(1))
 

@@ -53,7 +53,7 @@ def test_where_arcs_cross_the_earlier_face_is_seen():
     planar = PlanarMap(
         starts=np.zeros(5, int), crossings=np.zeros(0, int), tail=np.arange(4), head=np.arange(4),
         left=np.array([3, 2, 1, 0]), right=np.array([0, 3, 2, 1]), junctions=np.zeros(4, int),
-        face_labels=np.arange(4), pixel_faces=np.zeros((4, 10), np.int32))
+        face_labels=np.arange(4), face_areas=np.full(4, 10), pixel_faces=np.zeros((4, 10), np.int32))
     x = np.array([0.0, 6.0, 4.0, 10.0])
     points = np.stack([np.repeat(x, 2), np.tile([0.0, 4.0], 4)], axis=1)
     ranks = RankMap(np.arange(0, 9, 2), points, planar, np.array([-1, 1, 2, 3]))
@@ -86,7 +86,7 @@ def test_arcs_that_all_but_touch_far_from_the_origin_are_no_error():
     planar = PlanarMap(
         starts=np.arange(0, 9, 2), crossings=none, tail=none, head=none, left=np.array([1, 3, 2, 0]),
         right=np.array([0, 2, 1, 3]), junctions=none, face_labels=np.arange(4),
-        pixel_faces=np.zeros((700, 2400), np.int32))
+        face_areas=np.full(4, 10), pixel_faces=np.zeros((700, 2400), np.int32))
     # Cells are half pixels, sampled in their middles.
     x = np.array([0.0, 664.25 + 1.2e-13, 664.25, 2400.0])
     assert x[1] > x[2] and 1299 * 9600 + 2 * x[1] == 1299 * 9600 + 2 * x[2]
