@@ -11,6 +11,7 @@ import argparse
 import os
 import sys
 import warnings
+from contextlib import suppress
 from dataclasses import fields
 from typing import Any, Dict, Iterator, List, NoReturn, Optional, Sequence, Tuple
 
@@ -85,6 +86,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     int
         Exit code.
     """
+    _fill_gaps()
     # The matrices here are small: threads for them only get into each other's way.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     words = list(sys.argv[1:] if arguments is None else arguments)
@@ -104,6 +106,14 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
         return 0
     finally:
         _let_go()
+
+
+def _fill_gaps() -> None:
+    """Put something in place of standard streams that were closed: else a file of ours would take the place."""
+    for name, mode, way in (("stdin", "r", os.O_WRONLY), ("stdout", "w", os.O_RDONLY), ("stderr", "w", os.O_WRONLY)):
+        if getattr(sys, name) is None:
+            # The wrong way for the first two: who reads or writes shall hear that it is of no use.
+            setattr(sys, name, os.fdopen(os.open(os.devnull, way), mode))
 
 
 def _let_go() -> None:
@@ -155,13 +165,26 @@ def _tell(parser: _Parser, outcome: Outcome, quiet: bool) -> bool:
         for note in outcome.notes:
             _say(parser, f"{outcome.job.source}: {note}")
     if outcome.report:
-        to_error = outcome.job.target == STANDARD
-        print(outcome.report, file=sys.stderr if to_error else sys.stdout, flush=True)
+        return _print_report(parser, outcome)
     return bool(outcome.error)
 
 
+def _print_report(parser: _Parser, outcome: Outcome) -> bool:
+    """Print what a job is to report; returns whether that failed."""
+    try:
+        print(outcome.report, file=sys.stderr if outcome.job.target == STANDARD else sys.stdout, flush=True)
+    except BrokenPipeError:
+        pass  # The reader has what it wanted; the other drawings are wanted all the same.
+    except OSError as error:
+        _say(parser, f"{outcome.job.source}: the report can't be written: {error.strerror}")
+        return True
+    return False
+
+
 def _say(parser: _Parser, text: str) -> None:
-    print(f"{parser.prog}: {text}", file=sys.stderr, flush=True)
+    # That nobody hears it must not cost a picture.
+    with suppress(OSError):
+        print(f"{parser.prog}: {text}", file=sys.stderr, flush=True)
 
 
 def _program() -> str:

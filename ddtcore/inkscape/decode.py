@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import base64
-import io
 import os
 import re
 from tempfile import TemporaryDirectory
@@ -44,7 +43,7 @@ def decode(data: bytes) -> np.ndarray:
     try:
         from ..raster import ImageError, load_image
 
-        return load_image(io.BytesIO(data))
+        return load_image(data)
     except ImportError:  # no Pillow, or one whose libraries do not load
         return decode_with_inkscape(data)
     except ImageError as error:

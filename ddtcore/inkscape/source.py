@@ -18,6 +18,7 @@ from urllib.parse import unquote_to_bytes
 
 import inkex
 
+from ..raster import MAX_BYTES
 from .words import _
 
 HREF = ("href", "xlink:href")
@@ -90,7 +91,8 @@ def read_picture(image: inkex.Image, folders: Folders) -> bytes:
         raise PictureError(_missing(reference))
     try:
         with open(path, "rb") as file:
-            return file.read()
+            # No more than it claims to hold: some files in /proc, which claim nothing, have no end.
+            return file.read(min(os.fstat(file.fileno()).st_size, MAX_BYTES + 1))
     except OSError as error:
         message = _('its file "{path}" cannot be read ({reason})')
         raise PictureError(message.format(path=path, reason=error.strerror)) from error
