@@ -18,7 +18,7 @@ def pytest_collection_modifyitems(config, items):
     """Where tests run in parallel, Inkscape runs once at a time: virtual screens can collide."""
     if config.pluginmanager.hasplugin("xdist"):
         for item in items:
-            if "inkscape" in item.fixturenames:
+            if {"inkscape", "virtual_screen"} & set(item.fixturenames):
                 item.add_marker(pytest.mark.xdist_group("inkscape"))
 
 
@@ -40,6 +40,11 @@ def inkscape(request, tmp_path_factory):
             pytest.fail(inkscape_host.MISSING)
         pytest.skip(inkscape_host.MISSING)
     return inkscape_host.Inkscape(request.param, tmp_path_factory.mktemp("profile"))
+
+
+@pytest.fixture
+def virtual_screen():
+    """For tests that start Inkscape by a script of the project, which looks for a free screen itself."""
 
 
 def pytest_terminal_summary(terminalreporter):

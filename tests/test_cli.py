@@ -270,7 +270,7 @@ class TestUnix:
             def pieces(*arguments):
                 yield b"half a "
                 os.write(1, b"ready\\n")
-                time.sleep(60)
+                time.sleep(600)
             ddtcore.svg.encoded = pieces
             sys.exit(ddtcore.cli.main(["a.png", "b.jpg", "--jobs", "{jobs}"]))"""
         child = subprocess.Popen([sys.executable, "-c", code], start_new_session=True, stdout=subprocess.PIPE,
@@ -278,7 +278,7 @@ class TestUnix:
         for _ in range(jobs):
             assert child.stdout.readline() == b"ready\n"
         os.killpg(child.pid, signal.SIGINT)
-        _, error = child.communicate(timeout=30)
+        _, error = child.communicate(timeout=300)
         assert (child.returncode, error) == (130, b"") and new_files(folder) == []
 
     def on_a_terminal(self, *arguments):
