@@ -17,7 +17,7 @@ from typing import Any, Dict, Iterator, List, NoReturn, Optional, Sequence, Tupl
 
 from . import __version__
 from .files import STANDARD, Job, Outcome, default_target, run_all
-from .options import PRESETS, TraceOptions, reader
+from .options import PRESETS, PURPOSES, TraceOptions, reader
 from .progress import ProgressLine
 
 _INTERRUPTED = 130
@@ -52,6 +52,8 @@ exit status: 0 if all went well, 1 if a picture failed, 2 on bad usage,
 _ABOUT = "Trace clip-art bitmaps into SVG: areas of colour bounded by Bezier curves."
 
 _COMPARE = "compare"
+
+_COMPARE_USAGE = f"\n       %(prog)s {_COMPARE} [options] PICTURE..."
 
 _COMPARE_ABOUT = """\
 Write an HTML page that shows a picture and its trace under a divider, with the
@@ -113,7 +115,7 @@ def _fill_gaps() -> None:
     for name, mode, way in (("stdin", "r", os.O_WRONLY), ("stdout", "w", os.O_RDONLY), ("stderr", "w", os.O_WRONLY)):
         if getattr(sys, name) is None:
             # The wrong way for the first two: who reads or writes shall hear that it is of no use.
-            setattr(sys, name, os.fdopen(os.open(os.devnull, way), mode))
+            setattr(sys, name, open(os.open(os.devnull, way), mode, closefd=False))
 
 
 def _let_go() -> None:
@@ -196,8 +198,9 @@ def _parser(page: bool = False) -> _Parser:
     program = _program()
     parser = _Parser(
         prog=f"{program} {_COMPARE}" if page else program,
-        usage="%(prog)s [options] PICTURE...", allow_abbrev=False, add_help=False,
-        description=_COMPARE_ABOUT if page else _ABOUT, epilog=_COMPARE_EXAMPLES if page else _EXAMPLES,
+        usage=f"%(prog)s [options] PICTURE...{'' if page else _COMPARE_USAGE}", allow_abbrev=False, add_help=False,
+        description=_COMPARE_ABOUT if page else _ABOUT,
+        epilog=f"{_presets()}\n\n{_COMPARE_EXAMPLES if page else _EXAMPLES}",
         formatter_class=argparse.RawDescriptionHelpFormatter)
     files = parser.add_argument_group("files")
     files.add_argument("pictures", metavar="PICTURE", nargs="*",
@@ -227,6 +230,15 @@ def _parser(page: bool = False) -> _Parser:
     return parser
 
 
+def _presets() -> str:
+    """What presets are for, as a section of the help."""
+    from textwrap import wrap
+
+    indent = " " * (4 + max(map(len, PURPOSES)))
+    lines = (f"  {name}".ljust(len(indent)) + purpose.replace("`", "") for name, purpose in PURPOSES.items())
+    return "\n".join(["presets:", *(part for line in lines for part in wrap(line, 79, subsequent_indent=indent))])
+
+
 def _add_settings(parser: _Parser) -> None:
     settings = {field.name: field for field in fields(TraceOptions)}
     named = {name for names in _GROUPS.values() for name in names}
@@ -235,7 +247,8 @@ def _add_settings(parser: _Parser) -> None:
         group = parser.add_argument_group(title)
         if title == "what to draw":
             group.add_argument("--preset", metavar="NAME", default=next(iter(PRESETS)),
-                               help=f"settings to start from ({', '.join(PRESETS)}; default: %(default)s)")
+                               help="settings to start from, see below; what you set yourself wins"
+                               " (default: %(default)s)")
         for name in names:
             _add_setting(group, name, settings[name].default, settings[name].metadata)
 

@@ -24,8 +24,8 @@ def pytest_collection_modifyitems(config, items):
 
 @pytest.fixture(autouse=True)
 def clean_environment(monkeypatch):
-    """Nothing that Inkscape, or inkex in an earlier test, left in the environment."""
-    for name in ("DOCUMENT_PATH", "DDT_TRACE_LOG", "INKSCAPE_PROFILE_DIR"):
+    """Nothing that Inkscape, or inkex in an earlier test, left in the environment; no warnings asked for."""
+    for name in ("DOCUMENT_PATH", "DDT_TRACE_LOG", "INKSCAPE_PROFILE_DIR", "PYTHONWARNINGS"):
         # Set first, so that it is undone even where inkex sets it later on.
         monkeypatch.setenv(name, "")
         monkeypatch.delenv(name)

@@ -19,7 +19,7 @@ import ddtcore
 from ddtcore import TraceOptions
 from ddtcore.cli import main
 from ddtcore.model import Drawing
-from ddtcore.options import Automatic
+from ddtcore.options import PRESETS, PURPOSES, Automatic
 from ddtcore.pipeline import STAGES
 
 ROOT = os.path.dirname(os.path.dirname(ddtcore.__file__))
@@ -172,6 +172,10 @@ def test_help_fits_in_80_columns_and_names_everything():
     assert max(map(len, text.splitlines())) < 80
     for setting in SETTINGS:
         assert f"  --{setting.name.replace('_', '-')} " in text
+    words = " ".join(text.split())
+    for name, purpose in PURPOSES.items():
+        assert f" {name} {purpose.replace('`', '')}" in words
+    assert list(PURPOSES) == list(PRESETS)
     assert "examples:" in text and "exit status:" in text and "%(" not in text and "%%" not in text
 
 
