@@ -115,7 +115,7 @@ def _fill_gaps() -> None:
     for name, mode, way in (("stdin", "r", os.O_WRONLY), ("stdout", "w", os.O_RDONLY), ("stderr", "w", os.O_WRONLY)):
         if getattr(sys, name) is None:
             # The wrong way for the first two: who reads or writes shall hear that it is of no use.
-            setattr(sys, name, open(os.open(os.devnull, way), mode, closefd=False))
+            setattr(sys, name, os.fdopen(os.open(os.devnull, way), mode, closefd=False))
 
 
 def _let_go() -> None:
