@@ -277,8 +277,10 @@ class TestUnix:
                 time.sleep(600)
             ddtcore.svg.encoded = pieces
             sys.exit(ddtcore.cli.main(["a.png", "b.jpg", "--jobs", "{jobs}"]))"""
+        # Shells let what they start in the background ignore Ctrl-C; that would be inherited.
         child = subprocess.Popen([sys.executable, "-c", code], start_new_session=True, stdout=subprocess.PIPE,
-                                 stderr=subprocess.PIPE, env={**os.environ, "PYTHONPATH": ROOT})
+                                 stderr=subprocess.PIPE, env={**os.environ, "PYTHONPATH": ROOT},
+                                 preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
         for _ in range(jobs):
             assert child.stdout.readline() == b"ready\n"
         os.killpg(child.pid, signal.SIGINT)
