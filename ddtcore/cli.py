@@ -11,12 +11,13 @@ import argparse
 import os
 import sys
 import warnings
+from contextlib import suppress
 from dataclasses import fields
 from typing import Any, Dict, Iterator, List, NoReturn, Optional, Sequence, Tuple
 
 from . import __version__
 from .files import STANDARD, Job, Outcome, default_target, run_all
-from .options import PRESETS, TraceOptions, reader
+from .options import PRESETS, PURPOSES, TraceOptions, reader
 from .progress import ProgressLine
 
 _INTERRUPTED = 130
@@ -52,6 +53,8 @@ _ABOUT = "Trace clip-art bitmaps into SVG: areas of colour bounded by Bezier cur
 
 _COMPARE = "compare"
 
+_COMPARE_USAGE = f"\n       %(prog)s {_COMPARE} [options] PICTURE..."
+
 _COMPARE_ABOUT = """\
 Write an HTML page that shows a picture and its trace under a divider, with the
 stages of the method, the report, and the same at three settings."""
@@ -85,6 +88,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     int
         Exit code.
     """
+    _fill_gaps()
     # The matrices here are small: threads for them only get into each other's way.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     words = list(sys.argv[1:] if arguments is None else arguments)
@@ -104,6 +108,14 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
         return 0
     finally:
         _let_go()
+
+
+def _fill_gaps() -> None:
+    """Put something in place of standard streams that were closed: else a file of ours would take the place."""
+    for name, mode, way in (("stdin", "r", os.O_WRONLY), ("stdout", "w", os.O_RDONLY), ("stderr", "w", os.O_WRONLY)):
+        if getattr(sys, name) is None:
+            # The wrong way for the first two: who reads or writes shall hear that it is of no use.
+            setattr(sys, name, os.fdopen(os.open(os.devnull, way), mode, closefd=False))
 
 
 def _let_go() -> None:
@@ -155,13 +167,26 @@ def _tell(parser: _Parser, outcome: Outcome, quiet: bool) -> bool:
         for note in outcome.notes:
             _say(parser, f"{outcome.job.source}: {note}")
     if outcome.report:
-        to_error = outcome.job.target == STANDARD
-        print(outcome.report, file=sys.stderr if to_error else sys.stdout, flush=True)
+        return _print_report(parser, outcome)
     return bool(outcome.error)
 
 
+def _print_report(parser: _Parser, outcome: Outcome) -> bool:
+    """Print what a job is to report; returns whether that failed."""
+    try:
+        print(outcome.report, file=sys.stderr if outcome.job.target == STANDARD else sys.stdout, flush=True)
+    except BrokenPipeError:
+        pass  # The reader has what it wanted; the other drawings are wanted all the same.
+    except OSError as error:
+        _say(parser, f"{outcome.job.source}: the report can't be written: {error.strerror}")
+        return True
+    return False
+
+
 def _say(parser: _Parser, text: str) -> None:
-    print(f"{parser.prog}: {text}", file=sys.stderr, flush=True)
+    # That nobody hears it must not cost a picture.
+    with suppress(OSError):
+        print(f"{parser.prog}: {text}", file=sys.stderr, flush=True)
 
 
 def _program() -> str:
@@ -173,8 +198,9 @@ def _parser(page: bool = False) -> _Parser:
     program = _program()
     parser = _Parser(
         prog=f"{program} {_COMPARE}" if page else program,
-        usage="%(prog)s [options] PICTURE...", allow_abbrev=False, add_help=False,
-        description=_COMPARE_ABOUT if page else _ABOUT, epilog=_COMPARE_EXAMPLES if page else _EXAMPLES,
+        usage=f"%(prog)s [options] PICTURE...{'' if page else _COMPARE_USAGE}", allow_abbrev=False, add_help=False,
+        description=_COMPARE_ABOUT if page else _ABOUT,
+        epilog=f"{_presets()}\n\n{_COMPARE_EXAMPLES if page else _EXAMPLES}",
         formatter_class=argparse.RawDescriptionHelpFormatter)
     files = parser.add_argument_group("files")
     files.add_argument("pictures", metavar="PICTURE", nargs="*",
@@ -204,6 +230,15 @@ def _parser(page: bool = False) -> _Parser:
     return parser
 
 
+def _presets() -> str:
+    """What presets are for, as a section of the help."""
+    from textwrap import wrap
+
+    indent = " " * (4 + max(map(len, PURPOSES)))
+    lines = (f"  {name}".ljust(len(indent)) + purpose.replace("`", "") for name, purpose in PURPOSES.items())
+    return "\n".join(["presets:", *(part for line in lines for part in wrap(line, 79, subsequent_indent=indent))])
+
+
 def _add_settings(parser: _Parser) -> None:
     settings = {field.name: field for field in fields(TraceOptions)}
     named = {name for names in _GROUPS.values() for name in names}
@@ -212,7 +247,8 @@ def _add_settings(parser: _Parser) -> None:
         group = parser.add_argument_group(title)
         if title == "what to draw":
             group.add_argument("--preset", metavar="NAME", default=next(iter(PRESETS)),
-                               help=f"settings to start from ({', '.join(PRESETS)}; default: %(default)s)")
+                               help="settings to start from, see below; what you set yourself wins"
+                               " (default: %(default)s)")
         for name in names:
             _add_setting(group, name, settings[name].default, settings[name].metadata)
 

@@ -208,7 +208,7 @@ def _run(job: Job, tell: Optional[Tell] = None) -> Outcome:
     from .svg import encoded, save
 
     begin("reading", 0)
-    image = load_image(sys.stdin.buffer.read() if job.source == STANDARD else job.source)
+    image = load_image(_standard_input() if job.source == STANDARD else job.source)
     if STANDARD not in job[:2] and os.path.exists(job.target) and os.path.samefile(job.source, job.target):
         raise ImageError(f"{job.target} is the picture itself: choose another output")
     if job.page:
@@ -222,6 +222,16 @@ def _run(job: Job, tell: Optional[Tell] = None) -> Outcome:
         save(drawing, job.target)
     watch.stop()
     return Outcome(job, notes=drawing.notes, report=_report(job, image, drawing, watch))
+
+
+def _standard_input() -> bytes:
+    """What standard input holds, or the first part of it that is too much."""
+    from .raster import MAX_BYTES, ImageError
+
+    try:
+        return sys.stdin.buffer.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise ImageError(f"standard input can't be read: {error.strerror or error}") from None
 
 
 def _report(job: Job, image: np.ndarray, drawing: Drawing, watch: Stopwatch) -> str:

@@ -182,6 +182,17 @@ PRESETS: Dict[str, Dict[str, Any]] = {
 }
 """Settings of each preset that differ from the default ones."""
 
+PURPOSES: Dict[str, str] = {
+    "automatic": "any picture: one of `clip-art`, `pixel-art`, `photo` by its look; the report says which and why",
+    "clip-art": "drawings with flat or softly changing colours",
+    "logo": "few clean colours, few nodes",
+    "line-art": "ink on paper, drawn or scanned, in black and white",
+    "pixel-art": "sprites and icons, each pixel a square, enlarged or not",
+    "photo": "photographs, as a poster with a limited number of areas",
+    "paper": "the method as it was published",
+}
+"""What each preset is for, in Markdown."""
+
 
 def _check(name: str, value: Any, default: Any, meta: Any) -> None:
     if meta["choices"]:

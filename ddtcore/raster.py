@@ -33,6 +33,9 @@ _ORIENTATION = 0x0112
 _STRIP = 256
 """Rows of a picture converted at a time."""
 
+MAX_BYTES = 1 << 31
+"""Largest file that is read, bytes: more than the largest picture takes with 16 bits a channel."""
+
 _pillow = threading.Lock()
 logging.getLogger("PIL").addHandler(logging.NullHandler())
 
@@ -74,13 +77,16 @@ def load_image(source: Source, max_pixels: int = 200_000_000) -> np.ndarray:
     ddtcore.raster.ImageError: missing.png can't be opened: No such file or directory
     """
     if isinstance(source, bytes):
+        _check_length(len(source), "the input")
         return _decode(io.BytesIO(source), "the input", max_pixels)
     if not isinstance(source, (str, os.PathLike)):
         return _decode(source, "the input", max_pixels)
     name = os.fspath(source)
     try:
-        if not stat.S_ISREG(os.stat(source).st_mode):
+        status = os.stat(source)
+        if not stat.S_ISREG(status.st_mode):
             raise ImageError(f"{name} is not a regular file")
+        _check_length(status.st_size, name)
         with open(source, "rb") as file:
             return _decode(file, name, max_pixels)
     except ImageError:
@@ -131,13 +137,21 @@ def packed(image: np.ndarray) -> np.ndarray:
     return np.where(image[..., 3] > 0, keys, np.uint32(0))
 
 
+def _check_length(length: int, name: str) -> None:
+    # What says that it is empty can be endless all the same, as some files in /proc are.
+    if length == 0:
+        raise ImageError(f"{name} is empty")
+    if length > MAX_BYTES:
+        raise ImageError(f"{name} has more than {MAX_BYTES / 1e9:.1f} GB, the limit")
+
+
 def _decode(file: BinaryIO, name: str, max_pixels: int) -> np.ndarray:
     from PIL import Image, UnidentifiedImageError
 
     try:
         with _quiet_pillow(max_pixels), Image.open(file) as image:
             if image.format in _VECTOR_FORMATS:
-                raise ImageError(f"{name} is a vector drawing ({image.format}), not a bitmap")
+                raise ImageError(f"{name} is a vector drawing, not a bitmap: {image.format}")
             if image.width * image.height > max_pixels:
                 raise Image.DecompressionBombError
             image.load()

@@ -18,14 +18,14 @@ def pytest_collection_modifyitems(config, items):
     """Where tests run in parallel, Inkscape runs once at a time: virtual screens can collide."""
     if config.pluginmanager.hasplugin("xdist"):
         for item in items:
-            if "inkscape" in item.fixturenames:
+            if {"inkscape", "virtual_screen"} & set(item.fixturenames):
                 item.add_marker(pytest.mark.xdist_group("inkscape"))
 
 
 @pytest.fixture(autouse=True)
 def clean_environment(monkeypatch):
-    """Nothing that Inkscape, or inkex in an earlier test, left in the environment."""
-    for name in ("DOCUMENT_PATH", "DDT_TRACE_LOG", "INKSCAPE_PROFILE_DIR"):
+    """Nothing that Inkscape, or inkex in an earlier test, left in the environment; no warnings asked for."""
+    for name in ("DOCUMENT_PATH", "DDT_TRACE_LOG", "INKSCAPE_PROFILE_DIR", "PYTHONWARNINGS"):
         # Set first, so that it is undone even where inkex sets it later on.
         monkeypatch.setenv(name, "")
         monkeypatch.delenv(name)
@@ -40,6 +40,11 @@ def inkscape(request, tmp_path_factory):
             pytest.fail(inkscape_host.MISSING)
         pytest.skip(inkscape_host.MISSING)
     return inkscape_host.Inkscape(request.param, tmp_path_factory.mktemp("profile"))
+
+
+@pytest.fixture
+def virtual_screen():
+    """For tests that start Inkscape by a script of the project, which looks for a free screen itself."""
 
 
 def pytest_terminal_summary(terminalreporter):

@@ -15,7 +15,8 @@ from xml.sax.saxutils import quoteattr
 ROOT = Path(__file__).resolve().parent.parent
 EXTENSION_ID = "io.github.ddttrace.ddt_trace"
 MISSING = "Inkscape or xvfb-run was not found; as root: apt-get install inkscape xvfb xauth"
-SECONDS = 120
+SECONDS = 300
+"""Longest time that Inkscape may take, far more than it does: the machine may be busy."""
 
 
 @lru_cache(maxsize=None)
@@ -59,7 +60,9 @@ class Inkscape:
         environment["PATH"] = os.pathsep.join(["/usr/bin", environment["PATH"]])
         if log:
             environment["DDT_TRACE_LOG"] = str(log)
-        process = subprocess.Popen(["xvfb-run", "-a", *self.command, *map(str, arguments)], env=environment,
+        # Two that look for a free screen from the same number on may find the same one.
+        screen = ["xvfb-run", "-a", "-n", str(100 + os.getpid() % 10_000)]
+        process = subprocess.Popen([*screen, *self.command, *map(str, arguments)], env=environment,
                                    stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True)
         try:
             _, stderr = process.communicate(timeout=SECONDS)

@@ -30,7 +30,8 @@ SHOWN = ("name", "label", "option", "menu-tip")
 """Elements whose text the dialog shows."""
 
 ENGINE = ("is not a picture of a kind that can be read", "can't be read, it may be damaged",
-          "needs more memory than there is", "has no pixels")
+          "needs more memory than there is", "has no pixels", "is empty", "has more than 200 million pixels, the limit",
+          "has more than 2.1 GB, the limit", "is a vector drawing, not a bitmap")
 """What the engine says of a picture that it cannot read."""
 
 NOTICE = "# SPDX-License-Identifier: GPL-2.0-or-later\n"

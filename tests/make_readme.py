@@ -24,7 +24,7 @@ from readme_paint import beside, enlarge, nodes, paint, save
 from readme_strips import STRIPS, strip
 
 from ddtcore import TraceOptions, compare, load_image, trace
-from ddtcore.options import PRESETS
+from ddtcore.options import PRESETS, PURPOSES
 from ddtcore.report import report
 from ddtcore.svg import encoded, group
 
@@ -51,17 +51,6 @@ ROOMS = {
 }
 """Modules of ddtcore in the order of reading; new ones appear at the end until they are named here."""
 
-
-PURPOSES = {
-    "automatic": "any picture: one of `clip-art`, `pixel-art`, `photo` by its look; the report says which and why",
-    "clip-art": "drawings with flat or softly changing colours",
-    "logo": "few clean colours, few nodes",
-    "line-art": "ink on paper, drawn or scanned, in black and white",
-    "pixel-art": "sprites and icons, each pixel a square, enlarged or not",
-    "photo": "photographs, as a poster with a limited number of areas",
-    "paper": "the method as it was published",
-}
-"""What presets are for."""
 
 # -- pictures ---------------------------------------------------------------------
 
@@ -185,7 +174,7 @@ def presets_table():
     rows = []
     for name, changes in PRESETS.items():
         flags = ", ".join(f"`--{key} {value}`" for key, value in changes.items())
-        rows.append([f"`{name}`", PURPOSES.get(name, ""), flags or "the defaults"])
+        rows.append([f"`{name}`", PURPOSES[name], flags or "the defaults"])
     rows[0][2] = "what the chosen one sets"
     return table(["preset", "for", "what it sets"], rows)
 

@@ -57,7 +57,11 @@ MUTANTS = {
         "fit.py", "control[bulging] = np.clip(control[bulging], 0, size)", "pass", "robust_any"),
     "half-written files stay": Mutant("svg.py", "os.unlink(beside)", "pass", "svg robust_luck"),
     "devices are read": Mutant(
-        "raster.py", "if not stat.S_ISREG(os.stat(source).st_mode):", "if False:", "raster"),
+        "raster.py", "if not stat.S_ISREG(status.st_mode):", "if False:", "raster"),
+    "files without end are read": Mutant(
+        "inkscape/source.py", "min(os.fstat(file.fileno()).st_size, MAX_BYTES + 1)", "-1", "inkscape_source"),
+    "a lost report ends a batch": Mutant(
+        "cli.py", "except OSError as error:\n        _say(", "except KeyError as error:\n        _say(", "robust_luck"),
     "wrong corner of a triangle": Mutant(
         "border.py", "mesh.points(mesh.triangles[triangles])", "mesh.points(mesh.triangles[triangles][:, [0, 0, 1]])",
         "border position"),

@@ -19,7 +19,7 @@ import ddtcore
 from ddtcore import TraceOptions
 from ddtcore.cli import main
 from ddtcore.model import Drawing
-from ddtcore.options import Automatic
+from ddtcore.options import PRESETS, PURPOSES, Automatic
 from ddtcore.pipeline import STAGES
 
 ROOT = os.path.dirname(os.path.dirname(ddtcore.__file__))
@@ -172,6 +172,10 @@ def test_help_fits_in_80_columns_and_names_everything():
     assert max(map(len, text.splitlines())) < 80
     for setting in SETTINGS:
         assert f"  --{setting.name.replace('_', '-')} " in text
+    words = " ".join(text.split())
+    for name, purpose in PURPOSES.items():
+        assert f" {name} {purpose.replace('`', '')}" in words
+    assert list(PURPOSES) == list(PRESETS)
     assert "examples:" in text and "exit status:" in text and "%(" not in text and "%%" not in text
 
 
@@ -270,15 +274,17 @@ class TestUnix:
             def pieces(*arguments):
                 yield b"half a "
                 os.write(1, b"ready\\n")
-                time.sleep(60)
+                time.sleep(600)
             ddtcore.svg.encoded = pieces
             sys.exit(ddtcore.cli.main(["a.png", "b.jpg", "--jobs", "{jobs}"]))"""
+        # Shells let what they start in the background ignore Ctrl-C; that would be inherited.
         child = subprocess.Popen([sys.executable, "-c", code], start_new_session=True, stdout=subprocess.PIPE,
-                                 stderr=subprocess.PIPE, env={**os.environ, "PYTHONPATH": ROOT})
+                                 stderr=subprocess.PIPE, env={**os.environ, "PYTHONPATH": ROOT},
+                                 preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
         for _ in range(jobs):
             assert child.stdout.readline() == b"ready\n"
         os.killpg(child.pid, signal.SIGINT)
-        _, error = child.communicate(timeout=30)
+        _, error = child.communicate(timeout=300)
         assert (child.returncode, error) == (130, b"") and new_files(folder) == []
 
     def on_a_terminal(self, *arguments):

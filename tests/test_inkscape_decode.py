@@ -136,3 +136,23 @@ def test_real_inkscape_cannot_decode_nonsense(inkscape, monkeypatch, tmp_path):
     monkeypatch.setenv("INKSCAPE_PROFILE_DIR", str(tmp_path))
     with pytest.raises(PictureError, match="damaged or of a kind"):
         decode_with_inkscape(b"RIFF of a kind that nobody knows")
+
+
+def test_real_inkscape_is_not_asked_for_large_pictures(inkscape, monkeypatch, tmp_path):
+    monkeypatch.setattr("inkex.command.INKSCAPE_EXECUTABLE_NAME", inkscape.command[0])
+    monkeypatch.setenv("INKSCAPE_PROFILE_DIR", str(tmp_path))
+    bilevel = io.BytesIO()
+    Image.new("1", (5000, 4001)).save(bilevel, "PNG")
+    with pytest.raises(PictureError, match="more than 20 million pixels, the limit without Pillow"):
+        decode_with_inkscape(bilevel.getvalue())
+
+
+@pytest.mark.parametrize("answer, large", [
+    ("", False), ("svg1,0,0,9e9,9e9\ni0,0,0,5000,4000\ni1,0,0,640,640\n", False), ("i0,0,0,5000,4001", True),
+    ("svg1,0,0,5,5\r\ni0,-1.5,0,1e+05,1e5\r\n", True), ("i0,nonsense", False)])
+def test_sizes_that_inkscape_says(answer, large):
+    if large:
+        with pytest.raises(PictureError, match="million pixels"):
+            module._check_sizes(answer)
+    else:
+        module._check_sizes(answer)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import base64
 import io
+import random
 import socket
 import threading
 import time
@@ -208,6 +209,50 @@ def test_cycles_of_every_kind_end(capfd, tmp_path):
         assert "is not a picture" in message(capfd, tmp_path, body, f"--id={name}")
     picture = IMAGE.replace("<image", '<image clip-path="url(#c)" mask="url(#m)"')
     assert paths(traced(tmp_path, body + picture, "--id=a"))
+
+
+ODD = ("", "nan", "-1", "0", "1e400", "1e-400", "5em", "10%", "auto", "url(#x)", "url(", "url(#c) none", "#", "a b",
+       ";", ":", "a:b;c", "{}", "}", "/*", "'", '"', "rotate(", "rotate(1,2)", "rotate(a)", "matrix(1,2)", "scale()",
+       "skewX(90)", "translate(1,2,3,4)", "xMidYMid meet x", "0 0 10", "1 2 3 4 5", "data:", "http://a/b", "//a/b",
+       "file://", "%", "C:x", "var(--x)", "calc(1px + 2%)", "1px px", "١", "!important", "clip-path:url( #c )", "\\0")
+EVERYTHING = f"""<svg id="root" {HEAD} viewBox="0 0 60 44" style="opacity:1">
+<style id="t">image {{ opacity: .9 }} .c {{ clip-path: url(#c) }} #a {{ mask: url(#m) }}</style>
+<defs><clipPath id="c"><rect width="40" height="30"/></clipPath><mask id="m"><rect width="1" height="1"/></mask>
+<symbol id="s" viewBox="0 0 9 9" refX="1" preserveAspectRatio="xMidYMid slice">{IMAGE.replace('"a"', '"b"')}</symbol>
+<pattern id="p" width="4" height="4"><image xlink:href="{PICTURE}"/></pattern></defs>
+<g id="g" transform="translate(2,3) rotate(10)" style="filter:url(#f)">
+<svg id="n" x="1" y="2" width="30" height="20" viewBox="0 0 9 9" preserveAspectRatio="none"><image id="a" class="c"
+x="1" width="8" height="7" transform="skewX(9)" preserveAspectRatio="xMinYMax slice" xlink:href="{PICTURE}"/>
+</svg><use id="u" xlink:href="#s" x="3" width="9" height="9" transform="scale(2)"/><use id="v" xlink:href="#a"/>
+<rect id="r" width="5" height="5" style="fill:url(#p)"/></g></svg>"""
+
+
+@pytest.mark.parametrize("name", ["", "root", "g", "n", "a", "u", "v", "r"])
+def test_attributes_changed_at_random_give_a_drawing_or_a_sentence(name, tmp_path, capfd):
+    rng = random.Random(name)
+    for number in range(25):
+        root = etree.fromstring(EVERYTHING)
+        for _ in range(rng.choice((1, 1, 2, 4))):
+            element = rng.choice(list(root.iter()))
+            key, value = rng.choice([*element.attrib, "transform", "style", "viewBox", "mask"]), rng.choice(ODD)
+            old = element.get(key, "")
+            place = rng.choice((0, rng.randrange(len(old) + 1)))
+            element.set(key, old[:place] + value + old[place:] if place else value)
+        source, target = tmp_path / f"{number}.svg", tmp_path / f"{number}-traced.svg"
+        source.write_bytes(etree.tostring(root))
+        try:
+            DdtTrace().run([*([f"--id={name}"] if name else []), f"--output={target}", str(source)])
+        except SystemExit as ended:
+            said = capfd.readouterr().err
+            assert ended.code == inkex.utils.ABORT_STATUS and said.count("\n") <= 1, (said, source.read_text())
+            assert not target.exists()
+        else:
+            assert paths(etree.parse(str(target)).getroot())
+
+
+def test_names_and_links_do_not_break_a_sentence(capfd, tmp_path):
+    said = message(capfd, tmp_path, f'<image id="a&#10;{"b" * 999}" xlink:href="c&#10;d.png"/>')
+    assert said.startswith('The picture "a bbb') and '"c d.png"' in said and len(said) < 400
 
 
 def test_a_thousand_pictures(tmp_path):

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import time
+
 import pytest
 
 inkex = pytest.importorskip("inkex")
@@ -32,6 +34,12 @@ TWO = '<g id="g"><image id="a"/><g id="h"><image id="b"/><rect id="r"/></g></g>'
 def test_selected_pictures_come_in_drawing_order_and_once():
     assert chains(TWO, "b", "a") == [["g", "a"], ["g", "h", "b"]]
     assert chains(TWO, "h", "g", "a", "b") == [["g", "a"], ["g", "h", "b"]]
+
+
+def test_the_document_itself_may_be_selected():
+    root = svg(TWO)
+    root.set("id", "root")
+    assert [picture.name for picture in find_pictures(root, ["root"])] == ["a", "b"]
 
 
 def test_things_beside_the_pictures_do_not_matter():
@@ -80,6 +88,20 @@ def test_a_flood_of_clones_ends(monkeypatch):
     monkeypatch.setattr(pictures, "MOST_STEPS", 5000)
     levels = "".join(f'<g id="l{n}">' + f'<use xlink:href="#l{n + 1}"/>' * 10 + "</g>" for n in range(20))
     assert "too many clones" in refusal(levels + '<g id="l20"/>', "l0")
+
+
+def test_a_long_chain_of_clones_ends():
+    chain = "".join(f'<use id="u{n}" xlink:href="#u{n - 1}"/>' for n in range(1, 3000))
+    begin = time.process_time()
+    for ids in ((), ("u2999",), ("u10", "u2999")):
+        assert "too many clones" in refusal(f'<image id="u0"/><image id="v"/>{chain}', *ids)
+    assert time.process_time() - begin < 20
+    assert len(chains(f'<image id="u0"/>{chain}', "u500")[0]) == 501
+
+
+def test_a_large_document_holds_no_flood(monkeypatch):
+    monkeypatch.setattr(pictures, "MOST_STEPS", 50)
+    assert chains("<g>" + "<path/>" * 1000 + '</g><image id="a"/>') == [["a"]]
 
 
 def test_thousands_of_nested_groups_are_no_trouble():

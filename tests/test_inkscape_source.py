@@ -124,6 +124,18 @@ def test_only_regular_files_are_read(tmp_path, folders):
             read_picture(image(xlink__href=link), folders)
 
 
+def test_no_more_is_read_than_a_file_may_hold(tmp_path, monkeypatch):
+    path = tmp_path / "a.png"
+    path.write_bytes(CONTENT)
+    monkeypatch.setattr("ddtcore.inkscape.source.MAX_BYTES", 9)
+    assert read_picture(image(href=str(path)), ()) == CONTENT[:10]  # enough to be refused for its length
+
+
+@pytest.mark.skipif(not os.path.isfile("/proc/self/stat"), reason="this system has no /proc")
+def test_files_of_the_kernel_are_not_read():
+    assert read_picture(image(href="/proc/self/stat"), ()) == b""
+
+
 def test_an_unreadable_file_is_named(monkeypatch, tmp_path):
     path = tmp_path / "secret.png"
     path.write_bytes(CONTENT)

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from ddtcore.raster import ImageError, check_image, load_image
+from ddtcore.raster import MAX_BYTES, ImageError, check_image, load_image
 
 RGBA = np.random.default_rng(0).integers(0, 256, (5, 7, 4)).astype(np.uint8)
 RGBA[..., 3] = 255
@@ -189,7 +189,7 @@ def test_what_is_no_picture(data):
 
 def test_vector_formats_run_no_other_program(monkeypatch):
     monkeypatch.setattr(subprocess, "Popen", lambda *arguments, **named: pytest.fail("a program was started"))
-    with pytest.raises(ImageError, match=r"vector drawing \(EPS\)"):
+    with pytest.raises(ImageError, match="is a vector drawing, not a bitmap: EPS"):
         load_image(written(Image.new("RGB", (4, 4)), "EPS"))
 
 
@@ -201,6 +201,19 @@ def test_only_regular_files_are_opened(tmp_path):
         os.mkfifo(tmp_path / "pipe.png")
         with pytest.raises(ImageError, match="not a regular file"):
             load_image(tmp_path / "pipe.png")
+
+
+def test_files_too_large_or_empty_are_not_read(tmp_path, monkeypatch):
+    (tmp_path / "empty.png").write_bytes(b"")
+    with open(tmp_path / "large.png", "wb") as file:  # a hole: it takes no room
+        file.truncate(MAX_BYTES + 1)
+    monkeypatch.setattr("builtins.open", lambda *_: pytest.fail("a file was opened"))
+    for name, words in (("empty.png", "empty.png is empty"), ("large.png", "large.png has more than 2.1 GB")):
+        with pytest.raises(ImageError, match=words):
+            load_image(tmp_path / name)
+    monkeypatch.setattr("ddtcore.raster.MAX_BYTES", 9)
+    with pytest.raises(ImageError, match="the input has more than"):
+        load_image(bytes(10))
 
 
 def test_errors_name_the_file(tmp_path):

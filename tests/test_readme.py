@@ -70,7 +70,7 @@ def run(arguments, folder, **environment):
     """Run a command as a person would, and return what it printed."""
     path = os.pathsep.join([str(folder / "bin"), os.environ["PATH"]])
     done = subprocess.run(arguments, cwd=folder, env={**os.environ, "PATH": path, **environment}, text=True,
-                          capture_output=True, timeout=120)
+                          capture_output=True, timeout=600)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -116,7 +116,7 @@ def test_extension_is_installed_as_the_table_says(copy):
         shutil.rmtree(installed)
 
 
-def test_demo(copy):
+def test_demo(copy, virtual_screen):
     (copy / ".venv" / "bin").mkdir(parents=True)
     shutil.copy(copy / "bin" / "python3", copy / ".venv" / "bin" / "python")
     said = run([".ci/demo", "tests/images/doctor.png"], copy)

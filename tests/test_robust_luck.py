@@ -50,8 +50,8 @@ def limited(bytes_per_file):
 def run(*arguments, cwd, program=("-m", "ddtcore"), **settings):
     """Run a program; the file that Python may write beside a module is none of its business."""
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONDONTWRITEBYTECODE": "1", "DDT_TRACE_LOG": ""}
-    return subprocess.run([sys.executable, *program, *map(str, arguments)], cwd=cwd, env=environment,
-                          stderr=subprocess.PIPE, timeout=120, **{"stdout": subprocess.PIPE, **settings})
+    return subprocess.run([sys.executable, *program, *map(str, arguments)], cwd=cwd, env=environment, timeout=300,
+                          **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **settings})
 
 
 def names(folder):
@@ -78,6 +78,50 @@ def test_a_full_device_is_said(folder, arguments):
         done = run(*arguments, cwd=folder, stdout=full)
     assert done.returncode == 1
     one_line(done, "can't be written", os.strerror(errno.ENOSPC))
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="there is no /dev/full")
+def test_reports_that_find_no_room_do_not_keep_a_batch_from_going_on(folder):
+    with open("/dev/full", "wb") as full:
+        done = run("a.png", "b.png", "--json", cwd=folder, stdout=full)
+        lines = done.stderr.decode().splitlines()
+        assert done.returncode == 1 and lines[2].endswith("0 of 2 pictures traced, 2 failed"), lines
+        assert all(f"{name}.png: the report can't be written" in line for name, line in zip("ab", lines))
+        assert run("bad.png", "b.png", cwd=folder, stderr=full).returncode == 1
+    assert names(folder) == ["a.png", "a.svg", "b.png", "b.svg"]
+    assert (folder / "a.svg").read_bytes() != OLD
+
+
+@pytest.mark.parametrize("closed", [1, 2])
+def test_a_reader_that_left_does_not_keep_a_batch_from_going_on(folder, closed):
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = run("a.png", "bad.png", "b.png", "--json", cwd=folder,
+               **{"stdout" if closed == 1 else "stderr": writing})
+    os.close(writing)
+    assert done.returncode == 1 and names(folder) == ["a.png", "a.svg", "b.png", "b.svg"]
+    assert (done.stderr or b"").count(b"\n") == (2 if closed == 1 else 0)
+
+
+@pytest.mark.parametrize("closed, arguments, words", [
+    (0, ["-", "-o", "c.svg"], "standard input can't be read"),
+    (1, ["a.png", "-o", "-"], "standard output can't be written"),
+    (1, ["a.png", "--report"], "a.png: the report can't be written"), (2, ["bad.png"], "")])
+def test_standard_streams_that_were_closed(folder, closed, arguments, words):
+    # A file that is opened must not take their place either: what is said would go there.
+    done = run(*arguments, cwd=folder, preexec_fn=lambda: os.close(closed))
+    assert (done.returncode, done.stdout) == (1, b"")
+    if words:
+        one_line(done, words)
+    assert "c.svg" not in names(folder)
+
+
+def test_standard_input_without_end(folder):
+    with open("/dev/zero", "rb") as zeros:
+        code = "import ddtcore.raster as r, ddtcore.cli as c; r.MAX_BYTES = 1 << 20; raise SystemExit(c.main(['-']))"
+        done = run(cwd=folder, program=["-c", code], stdin=zeros)
+    assert (done.returncode, done.stdout) == (1, b"")
+    one_line(done, "the input has more than", "GB, the limit")
 
 
 def as_somebody_else(folder, *arguments):

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import base64
-import io
 import os
 import re
 from tempfile import TemporaryDirectory
@@ -19,6 +18,9 @@ from .words import _
 
 BROKEN = b"no picture"
 """What Inkscape shows for this is what it shows for anything it cannot decode."""
+
+MOST_PIXELS = 20_000_000
+"""Largest picture that is decoded without Pillow, px: it takes half a minute and a gigabyte."""
 
 
 def decode(data: bytes) -> np.ndarray:
@@ -44,7 +46,7 @@ def decode(data: bytes) -> np.ndarray:
     try:
         from ..raster import ImageError, load_image
 
-        return load_image(io.BytesIO(data))
+        return load_image(data)
     except ImportError:  # no Pillow, or one whose libraries do not load
         return decode_with_inkscape(data)
     except ImageError as error:
@@ -69,6 +71,8 @@ def decode_with_inkscape(data: bytes) -> np.ndarray:
     """
     try:
         picture, broken = _export([data, BROKEN])
+    except PictureError:
+        raise
     except (CommandNotFound, ProgramRunError, OSError, ValueError) as error:
         raise PictureError(_("Pillow is missing in the Python that Inkscape uses, and Inkscape could not"
                             " decode it either; install Pillow (Debian: python3-pil)")) from error
@@ -85,6 +89,7 @@ def _export(pictures: List[bytes]) -> List[np.ndarray]:
         with open(path, "w", encoding="ascii") as file:
             file.write('<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink">'
                        f"{images}</svg>")
+        _check_sizes(inkscape(path, query_all=True))
         result = []
         for number in range(len(pictures)):
             target = os.path.join(folder, f"{number}.png")
@@ -92,3 +97,11 @@ def _export(pictures: List[bytes]) -> List[np.ndarray]:
             with open(target, "rb") as file:
                 result.append(read_png(file.read()))
     return result
+
+
+def _check_sizes(answer: str) -> None:
+    """Refuse what would take minutes; `answer` is what Inkscape says of its objects: id, x, y, width, height."""
+    for width, height in re.findall(r"^i\d+,[^,]*,[^,]*,([\d.e+]+),([\d.e+]+)\s*$", answer, re.MULTILINE):
+        if float(width) * float(height) > MOST_PIXELS:
+            raise PictureError(_("it has more than 20 million pixels, the limit without Pillow; install Pillow"
+                                 " (Debian: python3-pil)"))

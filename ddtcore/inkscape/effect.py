@@ -18,7 +18,7 @@ from .pictures import Picture, cloned_ids, find_pictures
 from .placement import Placement, place
 from .settings import changes, trace_options
 from .source import Folders, PictureError, read_picture
-from .words import _
+from .words import _, brief
 
 Trace = Tuple[Picture, Drawing, Placement]
 
@@ -53,7 +53,7 @@ def trace_pictures(svg: inkex.SvgDocumentElement, chosen: Namespace, folders: Fo
             notes.append(_("the picture was kept, since hiding it would hide more than it"))
         add_drawing(layers[top], picture.name, _description(chosen, drawing, notes), drawing, placement,
                     by_colour=options.group == "color")
-        note(f'"{picture.name}": {"; ".join(notes) or _("traced")}')
+        note(f'"{brief(picture.name)}": {"; ".join(notes) or _("traced")}')
 
 
 def _trace_all(pictures: List[Picture], options: TraceOptions, folders: Folders) -> List[Trace]:
@@ -68,7 +68,7 @@ def _trace_all(pictures: List[Picture], options: TraceOptions, folders: Folders)
             result.append((picture, drawing, place(picture.chain, drawing.width, drawing.height)))
         except PictureError as error:
             text = _('The picture "{name}" cannot be traced: {reason}.')
-            raise inkex.AbortExtension(text.format(name=picture.name, reason=error)) from error
+            raise inkex.AbortExtension(text.format(name=brief(picture.name), reason=error)) from error
     return result
 
 

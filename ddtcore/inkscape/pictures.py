@@ -4,12 +4,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Dict, FrozenSet, Iterator, List, Sequence, Tuple
+from typing import Dict, FrozenSet, Iterable, Iterator, List, Sequence, Tuple
 
 import inkex
 
 from .source import href
-from .words import _
+from .words import _, brief
 
 Chain = Tuple[inkex.BaseElement, ...]
 Elements = Dict[str, inkex.BaseElement]
@@ -17,7 +17,10 @@ Elements = Dict[str, inkex.BaseElement]
 CONTAINERS = ("a", "g", "svg", "switch")
 DEFINITIONS = ("clipPath", "defs", "marker", "mask", "pattern", "symbol")
 MOST_STEPS = 100_000
-"""Where the search for pictures gives up: clones of clones can multiply without end."""
+"""Steps through clones after which the search for pictures gives up: clones of clones multiply without end."""
+
+DEEPEST = 1000
+"""Length of a chain of clones at which it gives up as well."""
 
 
 @dataclass(frozen=True)
@@ -84,9 +87,10 @@ def find_pictures(svg: inkex.SvgDocumentElement, ids: Sequence[str]) -> List[Pic
     missing = [name for name in ids if name not in elements]
     if missing:
         raise inkex.AbortExtension(
-            _('There is no object with the id "{id}" in the document.').format(id=missing[0]))
+            _('There is no object with the id "{id}" in the document.').format(id=brief(missing[0])))
     chosen = [elements[name] for name in ids]
-    found = {chain: None for element in chosen for chain in _shown_in(_ancestry(element), elements)}
+    starts = [start for element in chosen for start in _starts(element)]
+    found = dict.fromkeys(_shown_in(starts, elements))
     if not found:
         raise inkex.AbortExtension(_why_none(chosen, elements))
     order = {element: number for number, element in enumerate(svg.iter())}
@@ -129,14 +133,21 @@ def _ancestry(element: inkex.BaseElement) -> Chain:
     return tuple(reversed([element, *element.iterancestors()]))[1:]
 
 
-def _shown_in(start: Chain, elements: Elements) -> Iterator[Chain]:
-    if any(element.TAG in DEFINITIONS for element in start):
-        return
-    stack, steps = [start], 0
+def _starts(element: inkex.BaseElement) -> List[Chain]:
+    """The way to an element, or to each of the children of the root."""
+    chain = _ancestry(element)
+    return [chain] if chain else [(child,) for child in element if isinstance(child, inkex.BaseElement)]
+
+
+def _shown_in(starts: Iterable[Chain], elements: Elements) -> Iterator[Chain]:
+    stack = [start for start in starts if not any(element.TAG in DEFINITIONS for element in start)]
+    steps = 0
     while stack:
         chain = stack.pop()
-        element, steps = chain[-1], steps + 1
-        if steps > MOST_STEPS:
+        element = chain[-1]
+        in_clone = any(isinstance(step, inkex.Use) for step in chain)
+        steps += in_clone
+        if steps > MOST_STEPS or (in_clone and len(chain) > DEEPEST):
             raise inkex.AbortExtension(_("The selection holds too many clones; select fewer objects."))
         if isinstance(element, inkex.Image):
             yield chain
@@ -155,8 +166,7 @@ def _shows_children(chain: Chain) -> bool:
 
 
 def _only_picture(svg: inkex.SvgDocumentElement, elements: Elements) -> Picture:
-    found = [Picture(chain) for child in svg if isinstance(child, inkex.BaseElement)
-             for chain in _shown_in((child,), elements)]
+    found = list(map(Picture, _shown_in(_starts(svg), elements)))
     originals = [picture for picture in found if picture.shown is picture.image]
     if len(originals or found) == 1:
         return (originals or found)[0]
@@ -170,12 +180,12 @@ def _why_none(chosen: Sequence[inkex.BaseElement], elements: Elements) -> str:
     for element in chosen:
         if any(step.TAG in DEFINITIONS for step in _ancestry(element)):
             return _('"{name}" is part of a definition and not shown itself; select a clone'
-                     " of it.").format(name=name_of(element))
+                     " of it.").format(name=brief(name_of(element)))
         if _filled_with_picture(element, elements):
             return _('"{name}" is filled with a picture as a pattern; choose Object > Pattern > Pattern to'
-                     " Objects first, then select the picture.").format(name=name_of(element))
+                     " Objects first, then select the picture.").format(name=brief(name_of(element)))
     return _('"{name}" is not a picture and holds none; select one or more pictures.').format(
-        name=name_of(chosen[0]))
+        name=brief(name_of(chosen[0])))
 
 
 def _filled_with_picture(element: inkex.BaseElement, elements: Elements) -> bool:

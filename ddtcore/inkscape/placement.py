@@ -120,7 +120,7 @@ def _own_transform(element: inkex.BaseElement) -> inkex.Transform:
         return inkex.Transform()
     try:
         return element.transform
-    except ValueError:  # as Inkscape does with one that cannot be read
+    except Exception:  # inkex raises several kinds; Inkscape ignores one that cannot be read
         return inkex.Transform()
 
 

@@ -18,7 +18,8 @@ from urllib.parse import unquote_to_bytes
 
 import inkex
 
-from .words import _
+from ..raster import MAX_BYTES
+from .words import _, brief
 
 HREF = ("href", "xlink:href")
 """Attributes that say where a picture is, the stronger one (by SVG 2, and in Inkscape 1.4) first."""
@@ -90,10 +91,11 @@ def read_picture(image: inkex.Image, folders: Folders) -> bytes:
         raise PictureError(_missing(reference))
     try:
         with open(path, "rb") as file:
-            return file.read()
+            # No more than it claims to hold: some files in /proc, which claim nothing, have no end.
+            return file.read(min(os.fstat(file.fileno()).st_size, MAX_BYTES + 1))
     except OSError as error:
         message = _('its file "{path}" cannot be read ({reason})')
-        raise PictureError(message.format(path=path, reason=error.strerror)) from error
+        raise PictureError(message.format(path=brief(path), reason=error.strerror)) from error
 
 
 def data_bytes(uri: str) -> bytes:
@@ -186,9 +188,8 @@ def _scheme(reference: str) -> str:
 
 
 def _missing(reference: str) -> str:
-    shown = reference if len(reference) <= 200 else reference[:200] + "…"
     if _is_remote(reference):
         text = _('it is linked to "{link}", and pictures are not fetched from a network; embed it first')
     else:
         text = _('it is linked to "{link}", and there is no such file')
-    return text.format(link=shown)
+    return text.format(link=brief(reference))

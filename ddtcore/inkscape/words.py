@@ -25,3 +25,16 @@ def _(text: str) -> str:
         Written out where it is called, for the template of the catalogues to find it.
     """
     return _CATALOGUE.gettext(text)
+
+
+def brief(text: str, most: int = 200) -> str:
+    """A name or a link of the document as part of a sentence: in one line, and not too long.
+
+    Parameters
+    ----------
+    text : str
+    most : int
+        Letters to keep.
+    """
+    text = " ".join(text.split())
+    return text if len(text) <= most else text[:most] + "…"
