@@ -13,6 +13,7 @@ from typing import List, Tuple
 
 import numpy as np
 
+from . import shades
 from .canvas import Canvas, planes
 from .components import label_components
 from .hairlines import Inks
@@ -77,7 +78,7 @@ def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: 
     base = sides[:, beside[:, some].argmax(axis=0), np.arange(cells.size)]
     drawn = np.flatnonzero(_unexplained(here, sides, samples) > LEAST)
     cells, here, base = cells[drawn], here[:, drawn], base[:, drawn]
-    area = _areas(canvas, cells, here - base)
+    area = shades.part(canvas, cells, here - base, _areas(canvas, cells, here - base))
     size = np.bincount(area)
     chosen = np.flatnonzero((size >= AREA) & ~_flat(area, here, base, planes(keys, canvas.opaque)))
     chosen = chosen[np.argsort(-size[chosen], kind="stable")[:max(MANY - count, 0)]]
