@@ -16,6 +16,7 @@ import numpy as np
 from . import shades
 from .canvas import Canvas, planes
 from .components import label_components
+from .gradient import PRICE
 from .hairlines import Inks
 from .mixes import length, segment_distance
 from .sides import SLOTS, near_samples
@@ -26,6 +27,9 @@ LEAST = 10.0
 
 AREA = 8
 """Smallest drawn thing, px²."""
+
+BYTES = 180
+"""Size of a path in the file, as many have it on average."""
 
 MANY = 256
 """Most ramps and things drawn on them."""
@@ -76,11 +80,13 @@ def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: 
     sides = _side_colours(canvas, known, cells, samples, surfaces)
     here = canvas.colours(cells)
     base = sides[:, beside[:, some].argmax(axis=0), np.arange(cells.size)]
-    drawn = np.flatnonzero(_unexplained(here, sides, samples) > LEAST)
-    cells, here, base = cells[drawn], here[:, drawn], base[:, drawn]
+    off = _unexplained(here, sides, samples)
+    drawn = np.flatnonzero(off > LEAST)
+    cells, here, base, off = cells[drawn], here[:, drawn], base[:, drawn], off[drawn]
     area = shades.part(canvas, cells, here - base, _areas(canvas, cells, here - base))
     size = np.bincount(area)
-    chosen = np.flatnonzero((size >= AREA) & ~_flat(area, here, base, planes(keys, canvas.opaque)))
+    pays = np.bincount(area, off ** 2) >= PRICE * BYTES
+    chosen = np.flatnonzero((size >= AREA) & pays & ~_flat(area, here, base, planes(keys, canvas.opaque)))
     chosen = chosen[np.argsort(-size[chosen], kind="stable")[:max(MANY - count, 0)]]
     thin, inks = _thin(Inks(canvas, cells, sides[..., drawn], samples[:, drawn] >= 0), area, chosen)
     chosen = chosen[~thin]

@@ -77,14 +77,14 @@ def find_gradients(image: np.ndarray, labels: Labels) -> Labels:
     pixels = _Pixels.of(labels.index, unknown)
     colour = pixels.colours(image)
     opaque = bool((colour[:, 3] == 255).all())
-    narrow = pixels.narrow
     sure = _sure(image, labels.index, pixels)
     for label, part in pixels.groups():
         chosen = part[sure[part]]
         chosen = chosen if len(chosen) >= _LEAST else part
         count = np.full(len(chosen), len(part) / len(chosen))
         samples = Samples(pixels.points[chosen], colour[chosen, :3 if opaque else 4], count)
-        gradients[label] = fit_gradient(samples, pixels.points[part], straight=bool(narrow[label]))
+        straight = int(np.count_nonzero(pixels.inside[part])) < _FEW
+        gradients[label] = fit_gradient(samples, pixels.points[part], straight)
     return replace(labels, gradients=tuple(gradients))
 
 

@@ -97,3 +97,9 @@ def test_flat_art_has_nothing_drawn():
     image = np.full((SIZE, SIZE, 4), 255, np.uint8)
     image[20:40, 20:60, :3] = 0
     assert drawn(image)[1:] == (0, 0)
+
+
+@pytest.mark.parametrize("length, found", [(4, 0), (30, 1)])
+def test_what_is_drawn_pays_for_its_path(length, found):
+    cover = stroke(3.0) * (abs(ALONG - 50) < length / 2)
+    assert drawn(picture(0.07 * cover, (60, 30, 0)))[2] == found
