@@ -19,7 +19,9 @@ from .components import label_components
 from .gradient import PRICE
 from .hairlines import Inks
 from .mixes import length, segment_distance
-from .sides import SLOTS, near_samples
+from .palette import MANY as MOST
+from .palette import Plateaus
+from .sides import SLOTS, near_samples, window
 from .surfaces import Surface
 
 LEAST = 10.0
@@ -37,10 +39,35 @@ MANY = 256
 WIDE = 64
 """A plateau colour with fewer pixels than this may be a piece of something drawn, px²."""
 
+NARROW = 0.35
+"""Share of a colour's pixels that are surrounded by it, below which it is that of narrow things."""
+
+SLIDE, SLIDES = 3.0, 3
+"""How near two plateaus are that touch and are of one thing, levels; and in how many pixels they do so at least."""
+
 OWN = 0.7
 """Drawn with a flat colour of the picture is what holds at least this share of it."""
 
 _PLAIN = 0.25
+
+
+def flat_colours(canvas: Canvas, plateaus: Plateaus) -> np.ndarray:
+    """The packed colours of large plateaus, but for those of narrow things whose colour changes little by little.
+
+    A translucent stroke on a slow ramp consists of plateaus, too.
+    """
+    large = plateaus.counts >= WIDE
+    asked = plateaus.keys[large & (plateaus.full < NARROW * plateaus.counts)]
+    cells = canvas.cells(plateaus.core)
+    cells = cells[np.isin(canvas.keys[cells], asked)]
+    sliding = np.zeros(asked.size, np.int64)
+    for step in window(canvas.stride, 1, 1) if asked.size else ():
+        some = cells[canvas.keys[cells + step] != canvas.keys[cells]]
+        some = some[np.abs(canvas.colours(some + step) - canvas.colours(some)).max(axis=0) <= SLIDE]
+        some = some[np.isin(canvas.keys[some + step], plateaus.keys)]
+        sliding += (canvas.keys[some][:, None] == asked).sum(axis=0)
+    large &= ~np.isin(plateaus.keys, asked[sliding >= SLIDES])
+    return plateaus.keys[large][:MOST]
 
 
 def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: np.ndarray,

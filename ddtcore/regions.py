@@ -131,7 +131,7 @@ def _surfaces(canvas: Canvas, slopes: np.ndarray, count: int, plateaus: palette.
         return slopes, [], plateaus, np.zeros(0, np.uint32)
     slopes, found = surfaces.separate(canvas, slopes, count, ~plateaus.core)
     plateaus = palette.find_plateaus(canvas, slopes >= 0)
-    keys = plateaus.keys[plateaus.counts >= overlays.WIDE][:palette.MANY]
+    keys = overlays.flat_colours(canvas, plateaus)
     labels = palette.known_labels(canvas, plateaus, keys, ROUNDING)
     slopes, found = detached.join_detached(canvas, slopes, found, (slopes < 0) & (canvas.bare(labels) < 0))
     count, inks = overlays.add_drawn(canvas, slopes, found, keys, labels)
