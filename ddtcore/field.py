@@ -151,8 +151,23 @@ def first_field(known: Slopes, samples: Samples, kind: str, elliptic: bool = Fal
     steep = (known.slope ** 2).sum(axis=(1, 2))
     calm = known.count / (1 + steep / (9 * weighted_quantile(steep, known.count, 0.5) + 1e-9))
     found = [_parallel(known._replace(count=count), kind, elliptic) for count in (known.count, calm)]
+    if kind == "linear":
+        found.append(_tilted(samples))
     fields = [field for field in found if field is not None and field.sound]
     return min(fields, key=lambda field: _linearise(field, samples).error) if fields else None
+
+
+def _tilted(samples: Samples) -> Field:
+    """The linear field along which the plane that fits all colours best is steepest.
+
+    In a narrow, bent region the slopes of squares tell little of what changes along it.
+    """
+    weight = samples.count / samples.count.sum()
+    points = samples.points - weight.dot(samples.points)
+    spread = (points.T * weight).dot(points) + 1e-6 * np.eye(2)
+    rise = np.linalg.solve(spread, (points.T * weight).dot(samples.colour - weight.dot(samples.colour)))
+    steepest = np.linalg.eigh(rise.dot(rise.T))[1][:, -1]
+    return Field("linear", np.arctan2(steepest[1:], steepest[:1]))
 
 
 def weighted_quantile(values: np.ndarray, weight: np.ndarray, share: float) -> float:

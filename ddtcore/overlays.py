@@ -13,11 +13,15 @@ from typing import List, Tuple
 
 import numpy as np
 
+from . import shades
 from .canvas import Canvas, planes
 from .components import label_components
+from .gradient import PRICE
 from .hairlines import Inks
 from .mixes import length, segment_distance
-from .sides import SLOTS, near_samples
+from .palette import MANY as MOST
+from .palette import Plateaus
+from .sides import SLOTS, near_samples, window
 from .surfaces import Surface
 
 LEAST = 10.0
@@ -26,16 +30,44 @@ LEAST = 10.0
 AREA = 8
 """Smallest drawn thing, px²."""
 
+BYTES = 180
+"""Size of a path in the file, as many have it on average."""
+
 MANY = 256
 """Most ramps and things drawn on them."""
 
 WIDE = 64
 """A plateau colour with fewer pixels than this may be a piece of something drawn, px²."""
 
+NARROW = 0.35
+"""Share of a colour's pixels that are surrounded by it, below which it is that of narrow things."""
+
+SLIDE, SLIDES = 3.0, 3
+"""How near two plateaus are that touch and are of one thing, levels; and in how many pixels they do so at least."""
+
 OWN = 0.7
 """Drawn with a flat colour of the picture is what holds at least this share of it."""
 
 _PLAIN = 0.25
+
+
+def flat_colours(canvas: Canvas, plateaus: Plateaus) -> np.ndarray:
+    """The packed colours of large plateaus, but for those of narrow things whose colour changes little by little.
+
+    A translucent stroke on a slow ramp consists of plateaus, too.
+    """
+    large = plateaus.counts >= WIDE
+    asked = plateaus.keys[large & (plateaus.full < NARROW * plateaus.counts)]
+    cells = canvas.cells(plateaus.core)
+    cells = cells[np.isin(canvas.keys[cells], asked)]
+    sliding = np.zeros(asked.size, np.int64)
+    for step in window(canvas.stride, 1, 1) if asked.size else ():
+        some = cells[canvas.keys[cells + step] != canvas.keys[cells]]
+        some = some[np.abs(canvas.colours(some + step) - canvas.colours(some)).max(axis=0) <= SLIDE]
+        some = some[np.isin(canvas.keys[some + step], plateaus.keys)]
+        sliding += (canvas.keys[some][:, None] == asked).sum(axis=0)
+    large &= ~np.isin(plateaus.keys, asked[sliding >= SLIDES])
+    return plateaus.keys[large][:MOST]
 
 
 def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: np.ndarray,
@@ -75,11 +107,13 @@ def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: 
     sides = _side_colours(canvas, known, cells, samples, surfaces)
     here = canvas.colours(cells)
     base = sides[:, beside[:, some].argmax(axis=0), np.arange(cells.size)]
-    drawn = np.flatnonzero(_unexplained(here, sides, samples) > LEAST)
-    cells, here, base = cells[drawn], here[:, drawn], base[:, drawn]
-    area = _areas(canvas, cells, here - base)
+    off = _unexplained(here, sides, samples)
+    drawn = np.flatnonzero(off > LEAST)
+    cells, here, base, off = cells[drawn], here[:, drawn], base[:, drawn], off[drawn]
+    area = shades.part(canvas, cells, here - base, _areas(canvas, cells, here - base))
     size = np.bincount(area)
-    chosen = np.flatnonzero((size >= AREA) & ~_flat(area, here, base, planes(keys, canvas.opaque)))
+    pays = np.bincount(area, off ** 2) >= PRICE * BYTES
+    chosen = np.flatnonzero((size >= AREA) & pays & ~_flat(area, here, base, planes(keys, canvas.opaque)))
     chosen = chosen[np.argsort(-size[chosen], kind="stable")[:max(MANY - count, 0)]]
     thin, inks = _thin(Inks(canvas, cells, sides[..., drawn], samples[:, drawn] >= 0), area, chosen)
     chosen = chosen[~thin]

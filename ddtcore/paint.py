@@ -16,7 +16,11 @@ from .options import TraceOptions
 from .sides import window
 
 _FEW = 16
-"""Regions with fewer pixels off their border are judged by those that stand out most."""
+_NARROW = 0.35
+"""Regions with fewer pixels off their border, or a smaller share of all, are narrow."""
+
+_EVEN = 4.0
+"""How far the colours in a block of 2 x 2 fully covered pixels differ at most, levels of a channel."""
 
 _ENOUGH = 1 << 18
 """Pixels that are as good as all of a region."""
@@ -73,16 +77,14 @@ def find_gradients(image: np.ndarray, labels: Labels) -> Labels:
     pixels = _Pixels.of(labels.index, unknown)
     colour = pixels.colours(image)
     opaque = bool((colour[:, 3] == 255).all())
-    strong = _strongest(image, labels.index, pixels)
+    sure = _sure(image, labels.index, pixels)
     for label, part in pixels.groups():
-        chosen = part[pixels.inside[part]]
-        narrow = len(chosen) < _FEW
-        if narrow:
-            chosen = part[strong[part]]
-            chosen = chosen if len(chosen) >= _LEAST else part
+        chosen = part[sure[part]]
+        chosen = chosen if len(chosen) >= _LEAST else part
         count = np.full(len(chosen), len(part) / len(chosen))
         samples = Samples(pixels.points[chosen], colour[chosen, :3 if opaque else 4], count)
-        gradients[label] = fit_gradient(samples, pixels.points[part], straight=narrow)
+        straight = int(np.count_nonzero(pixels.inside[part])) < _FEW
+        gradients[label] = fit_gradient(samples, pixels.points[part], straight)
     return replace(labels, gradients=tuple(gradients))
 
 
@@ -161,6 +163,12 @@ class _Pixels(NamedTuple):
         values, first = np.unique(self.region[order], return_index=True)
         return zip(values.tolist(), np.split(order, first[1:]))
 
+    @property
+    def narrow(self) -> np.ndarray:
+        """Which of the regions consist of their border, or nearly."""
+        inner = np.bincount(self.region, self.inside)
+        return np.asarray(inner < np.maximum(_FEW, _NARROW * np.bincount(self.region)))
+
     def colours(self, image: np.ndarray) -> np.ndarray:
         """Their premultiplied colours in a uint8 picture (H, W, 4)."""
         return premultiply(image.reshape(-1, 4)[self.cells].astype(np.float64))
@@ -199,15 +207,36 @@ def surrounded(values: np.ndarray) -> np.ndarray:
     return same
 
 
-def _strongest(image: np.ndarray, regions: np.ndarray, pixels: _Pixels) -> np.ndarray:
-    """Which pixels (n,) of narrow regions differ most from what is round them: no others are fully covered."""
-    narrow = np.flatnonzero(np.bincount(pixels.region, pixels.inside)[pixels.region] < _FEW)
-    strong = np.zeros(len(pixels.cells), bool)
-    if not narrow.size:
-        return strong
-    height = _height(image, regions, pixels.cells[narrow])
-    strong[narrow] = height >= _STRONG * _most_near(height, regions, pixels.cells[narrow])
-    return strong
+def _sure(image: np.ndarray, regions: np.ndarray, pixels: _Pixels) -> np.ndarray:
+    """Which pixels (n,) tell the colours of their region: they are covered by it in full, as far as any are."""
+    sure = pixels.inside.copy()
+    some = np.flatnonzero(pixels.narrow[pixels.region])
+    if not some.size:
+        return sure
+    cells = pixels.cells[some]
+    even = _even(image, regions, cells)
+    height = _height(image, regions, cells)
+    strong = height >= _STRONG * _most_near(height, regions, cells)
+    # Where a region is so narrow that nothing is even, what stands out most there is the best there is.
+    sure[some] = even | strong & (_most_near(even.astype(np.float64), regions, cells) == 0)
+    return sure
+
+
+def _even(image: np.ndarray, regions: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """Which pixels lie in a block of 2 x 2 of the same region and nearly the same colour."""
+    framed = np.pad(regions, 1, mode="constant", constant_values=-1).ravel()
+    colours = np.pad(image, ((1, 1), (1, 1), (0, 0)), mode="edge").reshape(-1, 4)
+    cells, stride = _framed(cells, regions.shape, 1)
+    here = premultiply(colours[cells].astype(np.float32))
+    like = {}
+    for step in window(stride, 1, 1).tolist():
+        off = np.abs(premultiply(colours[cells + step].astype(np.float32)) - here).max(axis=1)
+        like[step] = (framed[cells + step] == framed[cells]) & (off <= _EVEN)
+    even = np.zeros(cells.size, bool)
+    for down in (-stride, stride):
+        for across in (-1, 1):
+            even |= like[down] & like[across] & like[down + across]
+    return even
 
 
 def _height(image: np.ndarray, regions: np.ndarray, cells: np.ndarray) -> np.ndarray:
@@ -248,7 +277,7 @@ def _soft_paints(image: np.ndarray, labels: Labels, planar: PlanarMap,
     """Paints of the faces of ramps: the ramp's gradient, or the face's own colour if that is nearer."""
     pixels = _Pixels.of(planar.pixel_faces, soft)
     colour, face = pixels.colours(image), pixels.region
-    sure = pixels.inside | _strongest(image, planar.pixel_faces, pixels)
+    sure = _sure(image, planar.pixel_faces, pixels)
     flat = _means(colour, face, sure)
     model = local_colours(labels, planar.face_labels[face], pixels.points)
     known = labels.gradients or (None,) * len(labels.palette)

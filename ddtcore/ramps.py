@@ -29,7 +29,7 @@ BEND = 2.0
 LEVELS = 4
 """Fewest different colours on the slopes of a ramp."""
 
-AREA = 24
+AREA = 12
 """Smallest ramp, px²."""
 
 MANY = 256

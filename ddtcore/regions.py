@@ -13,7 +13,7 @@ from typing import List, Optional, Tuple
 
 import numpy as np
 
-from . import areas, margins, merging, overlays, palette, ramps, sides, strokes, surfaces
+from . import areas, detached, margins, merging, overlays, palette, ramps, sides, strokes, surfaces
 from .canvas import Canvas, mean_colours, planes, prepare, unpack
 from .model import Gradient, Labels
 from .noise import ROUNDING, SPECK, is_grainy, mixing_error, noise_level, noisy_colours
@@ -131,8 +131,9 @@ def _surfaces(canvas: Canvas, slopes: np.ndarray, count: int, plateaus: palette.
         return slopes, [], plateaus, np.zeros(0, np.uint32)
     slopes, found = surfaces.separate(canvas, slopes, count, ~plateaus.core)
     plateaus = palette.find_plateaus(canvas, slopes >= 0)
-    keys = plateaus.keys[plateaus.counts >= overlays.WIDE][:palette.MANY]
+    keys = overlays.flat_colours(canvas, plateaus)
     labels = palette.known_labels(canvas, plateaus, keys, ROUNDING)
+    slopes, found = detached.join_detached(canvas, slopes, found, (slopes < 0) & (canvas.bare(labels) < 0))
     count, inks = overlays.add_drawn(canvas, slopes, found, keys, labels)
     gradients = [surface.gradient for surface in found] + [None] * (count - len(found))
     return slopes, gradients, palette.find_plateaus(canvas, slopes >= 0), inks

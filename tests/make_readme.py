@@ -41,8 +41,8 @@ ROOMS = {
     "the whole": "pipeline model options choice budget reduction",
     "from outside": "__init__ __main__ cli files progress report compare inkscape",
     "picture in": "raster sprites ink",
-    "pixels to regions": "regions canvas palette noise mixes sides strokes margins ramps overlays hairlines surfaces"
-                         " posterise threshold areas merging components",
+    "pixels to regions": "regions canvas palette noise mixes sides strokes margins ramps surfaces"
+                         " detached overlays shades hairlines posterise threshold areas merging components",
     "mesh": "triangulation quads cost ribbon flips",
     "outlines": "border outline position flatten staircase lattice",
     "curves": "fit runs corner segments arclength cubic polish newton coverage quadratic bezier",

@@ -93,3 +93,15 @@ def test_a_quantile_goes_by_weight():
 
 def test_errors_of_wrong_pixels_are_limited():
     assert total_error(np.array([[3.0, 4.0], [1e4, 0.0]]), np.array([2.0, 1.0])) == 50 + 1024
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.4, 1.3])
+def test_a_bent_strip_tells_the_axis_of_what_changes_along_it(angle):
+    turn, across = np.meshgrid(np.linspace(0, 5, 300), [-1, 0, 1])
+    points = np.stack([(60 + across) * np.cos(turn), (25 + across) * np.sin(turn)], axis=-1).reshape(-1, 2)
+    place = points.dot([np.cos(angle), np.sin(angle)])
+    # Across the strip, its edges are mixed with what is round it.
+    colour = np.stack([120 + place, 90 - 0.5 * place], axis=1) + 20 * (across.reshape(-1, 1) > 0)
+    samples = Samples(points / 50, colour, np.ones(len(points)))
+    field = first_field(slopes(samples, 0.1), samples, "linear")
+    assert abs(np.sin(field.values[0] - angle)) < 0.1

@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 from ddtcore.canvas import prepare, unpack
-from ddtcore.overlays import AREA, add_drawn
+from ddtcore.options import TraceOptions
+from ddtcore.overlays import AREA, add_drawn, flat_colours
 from ddtcore.palette import find_plateaus, known_labels
 from ddtcore.ramps import find_ramps
+from ddtcore.regions import label_pixels
 from ddtcore.surfaces import separate
 
 SIZE = 80
@@ -97,3 +99,33 @@ def test_flat_art_has_nothing_drawn():
     image = np.full((SIZE, SIZE, 4), 255, np.uint8)
     image[20:40, 20:60, :3] = 0
     assert drawn(image)[1:] == (0, 0)
+
+
+@pytest.mark.parametrize("length, found", [(4, 0), (30, 1)])
+def test_what_is_drawn_pays_for_its_path(length, found):
+    cover = stroke(3.0) * (abs(ALONG - 50) < length / 2)
+    assert drawn(picture(0.07 * cover, (60, 30, 0)))[2] == found
+
+
+def translucent(slope, alpha=0.15):
+    """A black translucent stroke on a ramp."""
+    row, col = np.mgrid[:200, :200] + 0.5
+    cover = np.clip(2.5 - abs(row - 60 - 0.4 * col), 0, 1)[..., None]
+    base = np.stack([255 + 0 * col, 192 - slope * col, 0 * col], axis=-1)
+    image = np.full((200, 200, 4), 255, np.uint8)
+    image[..., :3] = np.rint(base * (1 - alpha * cover))
+    return image, cover[..., 0]
+
+
+def test_a_stroke_whose_colour_hardly_changes_has_no_flat_colour():
+    for slope, flat in ((0.05, 0), (0, 1)):
+        canvas = prepare(translucent(slope)[0])
+        keys = flat_colours(canvas, find_plateaus(canvas, np.zeros(canvas.shape, bool)))
+        assert np.count_nonzero(unpack(keys)[:, 0] < 255) == flat
+
+
+@pytest.mark.parametrize("slope", [0.02, 0.05, 0.2])
+def test_a_translucent_stroke_has_no_gaps(slope):
+    image, cover = translucent(slope)
+    labels = label_pixels(image, TraceOptions())
+    assert (labels.index[cover == 1] != labels.index[5, 5]).all()

@@ -111,3 +111,25 @@ def test_local_colours_are_those_of_the_gradient_or_of_the_palette():
     np.testing.assert_allclose(local_colours(labels, number, points), known)
     np.testing.assert_allclose(local_colours(replace(labels, gradients=None), number[:1], points[:1]),
                                premultiply(labels.palette[:1]))
+
+
+def stroke(width, flare=0.0):
+    """A slanting stroke (label 1) on white (label 0), and its colour, which changes in its left half."""
+    row, col = np.mgrid[:40, :80] + 0.5
+    wide = width + flare * col / 80
+    cover = np.clip(wide / 2 + 0.5 - abs(row - 12 - 0.2 * col), 0, 1)[..., None]
+    left = np.maximum(50 - col, 0)
+    colour = np.stack([200 + 0.5 * left, 110 - left, 40 + 0 * col], axis=-1)
+    image = np.full((40, 80, 4), 255, np.uint8)
+    image[..., :3] = np.rint(255 + cover * (colour - 255))
+    labels = palette_labels((cover[..., 0] >= 0.5).astype(np.int32), [(255, 255, 255, 255), (210, 100, 40, 255)])
+    return image, replace(labels, ramp=np.array([False, True])), colour
+
+
+@pytest.mark.parametrize("width, flare", [(2.2, 0), (3, 0), (4, 0), (1.8, 3), (1.8, 6), (5, 0)])
+def test_the_edge_of_a_narrow_region_tells_nothing_of_its_colour(width, flare):
+    image, labels, colour = stroke(width, flare)
+    labels = find_gradients(image, labels)
+    row, col = np.nonzero(labels.index == 1)
+    found = local_colours(labels, np.ones(row.size, int), np.stack([col, row], axis=1) + 0.5)
+    assert np.abs(found[:, :3] - colour[row, col]).max() < 6

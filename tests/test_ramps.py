@@ -68,9 +68,15 @@ def test_noise_is_no_ramp():
 
 
 def test_tiny_ramps_are_left_out():
-    inside = (abs(X - 30) < 2.5) & (abs(Y - 30) < 2.5)
-    assert np.count_nonzero(inside) <= AREA + 1
-    assert find_ramps(prepare(picture(60 + 9 * (X - 27), inside & (Y < 32))))[1] == 0
+    inside = (abs(X - 30) < 3) & (abs(Y - 30) < 1)
+    assert np.count_nonzero(inside) <= AREA
+    assert find_ramps(prepare(picture(60 + 9 * (X - 27), inside)))[1] == 0
+
+
+@pytest.mark.parametrize("width", [6, 7, 8])
+def test_small_steep_ramps_are_found(width):
+    inside = (X > 26) & (X - width < 26) & (Y > 26) & (Y < 29)
+    assert find_ramps(prepare(picture(60 + 9 * (X - 27), inside)))[1] == 1
 
 
 def test_ramp_of_opacity():

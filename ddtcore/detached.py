@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Pieces of a ramp that something drawn on it cuts off from the rest.
+
+Between two strokes, a ramp goes on in a strip that nothing connects with it, and that may be
+too narrow to be found by its own slopes.  What shows that it belongs there is its colour:
+that of the ramp's surface at its place, over some area.  One gradient then serves all pieces.
+"""
+
+from __future__ import annotations
+
+from typing import List, Tuple
+
+import numpy as np
+
+from .canvas import Canvas
+from .components import label_components
+from .surfaces import Surface
+
+OFF = 3.0
+"""How far from its surface a pixel of a piece may be, levels of a channel."""
+
+AREA = 8
+"""Smallest piece, px²."""
+
+STRANGE = 0.03
+"""Share of the pixels of a ramp that may be farther from the surface that it joins."""
+
+REACH = 32
+"""How far beyond its rows and columns pieces of a ramp are looked for, px."""
+
+_ASKED = 64
+"""Pixels of a ramp that tell whether a surface explains it."""
+
+_WORK = 8
+"""Colours of surfaces are computed for this many times the pixels of the picture at most."""
+
+
+def join_detached(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface],
+                  free: np.ndarray) -> Tuple[np.ndarray, List[Surface]]:
+    """Join the pieces of ramps, those that were found as ramps and those among free pixels.
+
+    Parameters
+    ----------
+    canvas : Canvas
+    ramps : ndarray of shape (H, W) and dtype int32
+        Number of the ramp of each pixel, -1 where there is none.
+    surfaces : list of Surface
+        The colours of each ramp.
+    free : ndarray of shape (H, W) and dtype bool
+        Pixels that belong neither to ramps nor to flat areas.
+
+    Returns
+    -------
+    ramps : ndarray of shape (H, W) and dtype int32
+    surfaces : list of Surface
+        Those of the ramps that are left.
+    """
+    into = _explained(canvas, ramps, surfaces)
+    kept, number = np.unique(into, return_inverse=True)
+    ramps = np.append(number.ravel(), -1).astype(np.int32)[ramps]
+    surfaces = [surfaces[k] for k in kept.tolist()]
+    _add_free(canvas, ramps, surfaces, free)
+    return ramps, surfaces
+
+
+def _explained(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface]) -> np.ndarray:
+    """For each ramp a larger one whose surface explains it as well, or itself."""
+    cells = np.flatnonzero(ramps >= 0)
+    cells = cells[np.argsort(ramps.ravel()[cells], kind="stable")]
+    size = np.bincount(ramps.ravel()[cells], minlength=len(surfaces))
+    into = np.arange(len(surfaces))
+    if not cells.size:
+        return into
+    share = (np.arange(_ASKED) + 0.5) / _ASKED
+    asked = cells[((np.cumsum(size) - size)[:, None] + size[:, None] * share).astype(np.intp)]
+    row, col = np.divmod(asked, ramps.shape[1])
+    points = np.stack([col, row], axis=-1) + 0.5
+    colour = np.moveaxis(canvas.colours(canvas.numbers(row, col)), 0, -1)
+    left = np.argsort(-size, kind="stable")
+    while left.size > 1:
+        number, left = left[0], left[1:]
+        if surfaces[number].gradient is None:
+            continue
+        off = surfaces[number].colours(points[left].reshape(-1, 2)).reshape(colour[left].shape) - colour[left]
+        joins = np.mean(np.abs(off).max(axis=-1) > OFF, axis=1) < STRANGE
+        into[left[joins]] = number
+        left = left[~joins]
+    return into
+
+
+def _add_free(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], free: np.ndarray) -> None:
+    """Give the pieces of ramps among free pixels the number of their ramp, in place."""
+    row, col = np.nonzero(free)
+    colour = canvas.colours(canvas.numbers(row, col)).T
+    points = np.stack([col, row], axis=1) + 0.5
+    least = np.full(row.size, OFF)
+    best = np.full(row.size, -1, np.int32)
+    work = _WORK * ramps.size
+    for number, (top, bottom, left, right) in enumerate(_boxes(ramps, len(surfaces))):
+        first, last = np.searchsorted(row, [top - REACH, bottom + REACH])
+        some = first + np.flatnonzero((col[first:last] >= left - REACH) & (col[first:last] < right + REACH))
+        work -= some.size
+        if surfaces[number].gradient is None or work < 0:
+            continue
+        off = np.abs(surfaces[number].colours(points[some]) - colour[some]).max(axis=1)
+        nearer = off < least[some]
+        least[some[nearer]], best[some[nearer]] = off[nearer], number
+    ramps[row, col] = _pieces(row, col, best, ramps)
+
+
+def _boxes(ramps: np.ndarray, count: int) -> np.ndarray:
+    """First and last row, and first and last column of each ramp, each last one excluded, (count, 4)."""
+    boxes = np.zeros((count, 4), np.intp)
+    for side, numbers in ((0, ramps), (2, ramps.T)):
+        place, other = np.nonzero(numbers >= 0)
+        number = numbers[place, other]
+        # Of several values for one place, the last one is kept.
+        boxes[number[::-1], side] = place[::-1]
+        boxes[number, side + 1] = place + 1
+    return boxes
+
+
+def _pieces(row: np.ndarray, col: np.ndarray, best: np.ndarray, ramps: np.ndarray) -> np.ndarray:
+    """The numbers `best` of pixels, but -1 for those of areas that are too small or one pixel narrow."""
+    number = np.full(ramps.shape, -1, np.int32)
+    number[row, col] = best
+    area = label_components(number)
+    wide = (area[1:, 1:] == area[:-1, 1:]) & (area[1:, 1:] == area[1:, :-1]) & (area[1:, 1:] == area[:-1, :-1])
+    size = np.bincount(area.ravel())
+    kept = np.zeros(size.size, bool)
+    kept[area[1:, 1:][wide]] = True
+    kept &= size >= AREA
+    return np.where(kept[area[row, col]], best, -1)

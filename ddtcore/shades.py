@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Things drawn on a ramp that touch each other, told apart by how they change its colour.
+
+A shade and a stroke beside it are both darker than the ramp, and connected.  But they change
+the colour in different directions, whatever each of them covers of a pixel.  The directions
+are told by places that are covered in full, as a change that is even over 2 x 2 pixels shows;
+and for strokes too narrow to have such, by pixels that none of these directions explains.
+"""
+
+from __future__ import annotations
+
+from typing import Iterator, Tuple
+
+import numpy as np
+
+from .canvas import Canvas
+from .components import label_components, linked_areas
+from .mixes import length
+from .sides import window
+
+EVEN = 4.0
+"""How far the changes in a block differ at most, levels of a channel."""
+
+AREA = 8
+"""Fewest pixels that show a direction, px²."""
+
+OFF, SHARE = 6.0, 0.5
+"""A change belongs to another direction that is farther than this from it, levels; and by this share of its length."""
+
+PART = 0.15
+"""Smallest share of an area that another direction explains than those of places covered in full."""
+
+MANY = 256
+"""Most areas that are looked at, the largest ones."""
+
+CORES, KINDS = 64, 6
+"""Most evenly changed places of an area that are looked at, the largest ones; and most directions."""
+
+_FAR, _MOST = 1e3, 20.0
+
+
+def part(canvas: Canvas, cells: np.ndarray, off: np.ndarray, area: np.ndarray) -> np.ndarray:
+    """Part the areas in which there are several things.
+
+    Parameters
+    ----------
+    canvas : Canvas
+    cells : ndarray of shape (N,)
+        Numbers of the drawn pixels.
+    off : ndarray of shape (C, N)
+        By how much their colours differ from what they are drawn on.
+    area : ndarray of shape (N,)
+        Number of the connected area of each.
+
+    Returns
+    -------
+    ndarray of shape (N,)
+        Numbers of areas, or of parts of them, each of one thing.
+    """
+    core, size = _cores(canvas, cells, off, area)
+    inside = core >= 0
+    owner = np.full(size.size, -1, area.dtype)
+    owner[core[inside]] = area[inside]
+    change = np.stack([np.bincount(core[inside], plane[inside], size.size) for plane in off])
+    alike = _alike(canvas, cells, off, area)
+    unlikeness = np.full((KINDS, area.size), _FAR)
+    unlikeness[0] = 0
+    count = np.bincount(area)
+    members = np.split(np.argsort(area, kind="stable"), np.cumsum(count)[:-1])
+    largest = np.argsort(-count, kind="stable")[:MANY]
+    for number in largest[count[largest] >= 2 * AREA].tolist():
+        own = np.flatnonzero(owner == number)
+        own = own[np.argsort(-size[own], kind="stable")[:CORES]]
+        some = off[:, members[number]]
+        kinds = _kinds(change[:, own], size[own])
+        while kinds.shape[1] < KINDS:
+            beside, unlike = _beside(some, kinds)
+            unlike &= alike[members[number]]
+            if np.count_nonzero(unlike) < max(AREA, PART * unlike.size):
+                break
+            most = unlike & (beside >= np.percentile(beside[unlike], 75))
+            kinds = np.append(kinds, _direction(some[:, most].sum(axis=1, keepdims=True)), axis=1)
+        unlikeness[:kinds.shape[1], members[number]] = np.minimum(_distance(some, kinds), _MOST)
+    kind = _smooth(canvas, cells, area, unlikeness).argmin(axis=0)
+    for _ in range(2):
+        scrap = np.flatnonzero(_sizes(canvas, cells, area * KINDS + kind) < AREA)
+        unlikeness[kind[scrap], scrap] = _FAR
+        kind = _smooth(canvas, cells, area, unlikeness).argmin(axis=0)
+    return np.unique(area * KINDS + kind, return_inverse=True)[1].ravel()
+
+
+def _cores(canvas: Canvas, cells: np.ndarray, off: np.ndarray, area: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Number of the evenly changed place that each pixel belongs to, -1 for none, and the sizes of these."""
+    place = np.full(canvas.shape, -1, np.int32)
+    row, col = canvas.places(cells)
+    place[row, col] = np.arange(cells.size)
+    right, down = (_even(one, other, off, area)
+                   for one, other in ((place[:, :-1], place[:, 1:]), (place[:-1], place[1:])))
+    block = right[1:] & right[:-1] & down[:, 1:] & down[:, :-1]
+    right[...], down[...] = False, False
+    right[1:] |= block
+    right[:-1] |= block
+    down[:, 1:] |= block
+    down[:, :-1] |= block
+    core, size = linked_areas(right, down)
+    return core[row, col], size
+
+
+def _even(one: np.ndarray, other: np.ndarray, off: np.ndarray, area: np.ndarray) -> np.ndarray:
+    """Which neighbours, by their places among all or -1, are in one area and changed alike."""
+    even = (one >= 0) & (other >= 0)
+    a, b = one[even], other[even]
+    even[even] = (area[a] == area[b]) & (np.abs(off[:, a] - off[:, b]).max(axis=0) <= EVEN)
+    return even
+
+
+def _kinds(changes: np.ndarray, size: np.ndarray) -> np.ndarray:
+    """Those directions (C, n) of some changes (C, K), in their order, that are unlike all before and not rare."""
+    kinds, total = np.zeros((len(changes), 0)), np.zeros(0)
+    for change, pixels in zip(changes.T[:, :, None], size.tolist()):
+        _, unlike = _beside(change / pixels, kinds)
+        if not unlike[0]:
+            total[_distance(change, kinds).argmin()] += pixels
+        elif kinds.shape[1] < KINDS:
+            kinds, total = np.append(kinds, _direction(change), axis=1), np.append(total, pixels)
+    return kinds[:, total >= AREA]
+
+
+def _direction(change: np.ndarray) -> np.ndarray:
+    """A vector (C, 1) as long as 1."""
+    return change / max(float(length(change)[0]), 1e-9)
+
+
+def _distance(off: np.ndarray, kinds: np.ndarray) -> np.ndarray:
+    """Distance (n, N) of changes (C, N) from rays in some directions (C, n)."""
+    along = np.maximum(kinds.T.dot(off), 0)
+    return length(off[:, None] - kinds[:, :, None] * along)
+
+
+def _beside(off: np.ndarray, kinds: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Distance (N,) of changes (C, N) from the nearest ray, and which of them belong to none."""
+    size = length(off)
+    beside = np.minimum(_distance(off, kinds).min(axis=0), size) if kinds.size else size
+    return beside, beside > np.maximum(OFF, SHARE * size)
+
+
+def _smooth(canvas: Canvas, cells: np.ndarray, area: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Sums of the values (n, N) of each pixel and of the pixels of its area round it."""
+    total = 2 * values
+    for same, beside in _neighbours(canvas, cells, area):
+        total[:, same] += values[:, beside]
+    return total
+
+
+def _alike(canvas: Canvas, cells: np.ndarray, off: np.ndarray, area: np.ndarray) -> np.ndarray:
+    """Which pixels are changed like one beside them in their area."""
+    alike = np.zeros(cells.size, bool)
+    for same, beside in _neighbours(canvas, cells, area):
+        alike[same] |= np.abs(off[:, beside] - off[:, same]).max(axis=0) <= EVEN
+    return alike
+
+
+def _neighbours(canvas: Canvas, cells: np.ndarray, area: np.ndarray) -> Iterator[Tuple[np.ndarray, np.ndarray]]:
+    """For each of eight directions, which pixels have a neighbour in their area, and which one."""
+    place = np.full(canvas.keys.size, -1, np.int32)
+    place[cells] = np.arange(cells.size)
+    for step in window(canvas.stride, 1, 1):
+        beside = place[cells + step]
+        same = np.flatnonzero((beside >= 0) & (area[beside] == area))
+        yield same, beside[same]
+
+
+def _sizes(canvas: Canvas, cells: np.ndarray, number: np.ndarray) -> np.ndarray:
+    """How many connected pixels with equal numbers each of some pixels belongs to."""
+    whole = np.full(canvas.shape, -1, np.int64)
+    row, col = canvas.places(cells)
+    whole[row, col] = number
+    piece = label_components(whole, 8)
+    return np.bincount(piece.ravel())[piece[row, col]]
