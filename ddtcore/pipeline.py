@@ -29,6 +29,7 @@ from . import (
     sprites,
     stacking,
     triangulation,
+    unblur,
 )
 from .budget import label_within_budget
 from .model import Drawing, Labels
@@ -107,7 +108,7 @@ def _draw(image: np.ndarray, labels: Labels, options: TraceOptions, begin: Calla
     begin("gradients")
     opaque = bool((image[..., 3] == 255).all())
     image, labels, painted = _paint(image, labels, options)
-    even = flatten.flatten(image, labels)
+    even = unblur.unblur(flatten.flatten(image, labels), labels)
     begin("triangles")
     crisp = options.curves == "crisp" and options.result in ("outlines", "curves")
     triangulate = lattice.square_mesh if crisp else triangulation.triangulate
