@@ -16,6 +16,7 @@ from . import (
     bands,
     border,
     choice,
+    enlarged,
     fit,
     flatten,
     grouping,
@@ -85,7 +86,7 @@ def trace(image: np.ndarray, options: Optional[TraceOptions] = None,
     original, size = _original(image, options)
     small, labels, factor, note = label_within_budget(
         original, options, lambda picture, factor: regions.label_pixels(
-            picture, replace(options, speckle=options.speckle / factor ** 2)))
+            picture, replace(options, speckle=options.speckle / (factor * size) ** 2)))
     drawing = _draw(small, labels, options, begin)
     if factor * size > 1:
         drawing = enlarge(drawing, factor * size, image.shape[1], image.shape[0])
@@ -99,6 +100,8 @@ def _original(image: np.ndarray, options: TraceOptions) -> Tuple[np.ndarray, int
     """What is to be traced in place of a picture, and how many pixels a pixel of it is wide."""
     if options.regions == "black-white":
         return ink.stretch(image, options.level), 1
+    if options.regions == "palette":
+        return enlarged.original(image)
     size = sprites.block_size(image) if options.regions == "pixels" else 1
     return sprites.reduced(image, size), size
 
