@@ -16,7 +16,7 @@ from .canvas import premultiply
 from .flatten import straightened
 from .model import Labels
 
-LEAST = 0.5
+LEAST = 0.6
 """Smallest blur that is undone: standard deviation, px."""
 
 MOST = 1.2
