@@ -31,8 +31,8 @@ REACH = 32
 _ASKED = 64
 """Pixels of a ramp that tell whether a surface explains it."""
 
-_WORK = 8
-"""Colours of surfaces are computed for this many times the pixels of the picture at most."""
+_WORK = 1 << 24
+"""Colours of surfaces are computed for this many pixels at most."""
 
 
 def join_detached(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface],
@@ -95,7 +95,7 @@ def _add_free(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], free: 
     points = np.stack([col, row], axis=1) + 0.5
     least = np.full(row.size, OFF)
     best = np.full(row.size, -1, np.int32)
-    work = _WORK * ramps.size
+    work = _WORK
     for number, (top, bottom, left, right) in enumerate(_boxes(ramps, len(surfaces))):
         first, last = np.searchsorted(row, [top - REACH, bottom + REACH])
         some = first + np.flatnonzero((col[first:last] >= left - REACH) & (col[first:last] < right + REACH))

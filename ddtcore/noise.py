@@ -13,7 +13,7 @@ import numpy as np
 
 from .canvas import Canvas, count_keys, planes, unpack
 from .mixes import segment_distance
-from .palette import Plateaus, find_plateaus, is_mixed
+from .palette import Plateaus, is_mixed
 from .sides import window
 
 ROUNDING = 2.0
@@ -24,15 +24,6 @@ STRONGEST = 24.0
 
 SPECK = 12.0
 """Regions smaller than this in a noisy picture are ripples, px²."""
-
-GRAIN = 12.0
-"""Largest noise of flat art with a grain, levels."""
-
-EXPLAINED = 0.5
-"""Share of the pixels that have one of few colours in flat art with a grain."""
-
-GATHERED = 0.85
-"""Share of those that are less than half the noise away from it."""
 
 REDUCED = 64
 """Most colours on the edges of a picture whose colours were reduced."""
@@ -79,24 +70,6 @@ def noise_level(canvas: Canvas, core: np.ndarray, slopes: np.ndarray) -> Tuple[f
     if _sloping_area(canvas, slopes) > 0.1 * slopes.size:
         return ROUNDING, True
     return float(min(STRONGEST, 1.3 * np.median(span[uneven & (span <= _HIGH)]))), True
-
-
-def is_grainy(canvas: Canvas) -> bool:
-    """Whether a picture without flat pixels is flat art under a fine grain: few colours explain most of it.
-
-    Round those of flat art the means of 3 x 3 pixels gather; in a photograph they lie anywhere between.
-    """
-    plateaus = find_plateaus(canvas, np.zeros(canvas.shape, bool))
-    noise, rippled = noise_level(canvas, plateaus.core, np.full(canvas.shape, -1, np.int32))
-    if not rippled or noise > GRAIN:
-        return False
-    colours = planes(noisy_colours(canvas, plateaus, noise), canvas.opaque)
-    cells = canvas.cells(np.ones(canvas.shape, bool))
-    cells = cells[::max(1, cells.size // _SAMPLE)]
-    here = canvas.colours(cells + np.append(window(canvas.stride, 1, 1), 0)[:, None]).mean(axis=1)
-    off = np.abs(here[:, :, None] - colours[:, None]).max(axis=0).min(axis=1, initial=np.inf)
-    explained = np.mean(off <= noise)
-    return bool(explained > EXPLAINED and np.mean(off <= noise / 2) > GATHERED * explained)
 
 
 def mixing_error(canvas: Canvas, labels: np.ndarray, cells: np.ndarray) -> float:
@@ -146,12 +119,13 @@ def _between_plateaus(canvas: Canvas, core: np.ndarray, cells: np.ndarray, span:
     return (reach > _APART) & (reach >= 0.8 * span)
 
 
-def noisy_colours(canvas: Canvas, plateaus: Plateaus, noise: float) -> np.ndarray:
+def noisy_colours(canvas: Canvas, plateaus: Plateaus, noise: float, original: float) -> np.ndarray:
     """The packed colours of a noisy picture: those of large plateaus, then others that fill areas.
 
     What lies near a colour already found is taken for a variation of it: plateaus
     within `noise`, other pixels within twice that.  These have to be flat within 3 x 3,
-    the more so where other colours mix to theirs.
+    the more so where other colours mix to theirs.  What the `original` noise may have
+    moved away from black and white, or either end of a channel, lies there.
     """
     least = max(_WIDE, 0.0002 * plateaus.core.size)
     found = _unlike(canvas, plateaus.keys[(plateaus.full >= least) | (plateaus.counts >= 4 * least)], noise)
@@ -166,13 +140,13 @@ def noisy_colours(canvas: Canvas, plateaus: Plateaus, noise: float) -> np.ndarra
         values, counts = np.unique(keys, return_counts=True)
         mode = values[np.argmax(counts)]
         alike = _apart(canvas, keys, mode) <= noise
-        centre = _centre(keys[alike], noise)
+        centre = _centre(keys[alike], original)
         mixed = is_mixed(*(planes(np.array(some, np.uint32), canvas.opaque) for some in ([centre], found)))[0]
         if np.count_nonzero(alike & (spans <= noise) if mixed else alike) >= _FEW:
             found.append(centre)
         far = _apart(canvas, keys, mode) > 2 * noise
         keys, spans = keys[far], spans[far]
-    return _clipped(np.array(found, np.uint32), noise / 6)
+    return _clipped(np.array(found, np.uint32), original / 4)
 
 
 def _clipped(keys: np.ndarray, margin: float) -> np.ndarray:

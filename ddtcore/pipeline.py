@@ -16,6 +16,7 @@ from . import (
     bands,
     border,
     choice,
+    enlarged,
     fit,
     flatten,
     grouping,
@@ -29,6 +30,7 @@ from . import (
     sprites,
     stacking,
     triangulation,
+    unblur,
 )
 from .budget import label_within_budget
 from .model import Drawing, Labels
@@ -84,7 +86,7 @@ def trace(image: np.ndarray, options: Optional[TraceOptions] = None,
     original, size = _original(image, options)
     small, labels, factor, note = label_within_budget(
         original, options, lambda picture, factor: regions.label_pixels(
-            picture, replace(options, speckle=options.speckle / factor ** 2)))
+            picture, replace(options, speckle=options.speckle / (factor * size) ** 2)))
     drawing = _draw(small, labels, options, begin)
     if factor * size > 1:
         drawing = enlarge(drawing, factor * size, image.shape[1], image.shape[0])
@@ -98,6 +100,8 @@ def _original(image: np.ndarray, options: TraceOptions) -> Tuple[np.ndarray, int
     """What is to be traced in place of a picture, and how many pixels a pixel of it is wide."""
     if options.regions == "black-white":
         return ink.stretch(image, options.level), 1
+    if options.regions == "palette":
+        return enlarged.original(image)
     size = sprites.block_size(image) if options.regions == "pixels" else 1
     return sprites.reduced(image, size), size
 
@@ -107,7 +111,7 @@ def _draw(image: np.ndarray, labels: Labels, options: TraceOptions, begin: Calla
     begin("gradients")
     opaque = bool((image[..., 3] == 255).all())
     image, labels, painted = _paint(image, labels, options)
-    even = flatten.flatten(image, labels)
+    even = unblur.unblur(flatten.flatten(image, labels), labels)
     begin("triangles")
     crisp = options.curves == "crisp" and options.result in ("outlines", "curves")
     triangulate = lattice.square_mesh if crisp else triangulation.triangulate

@@ -14,9 +14,10 @@ from typing import List, Optional, Tuple
 import numpy as np
 
 from . import areas, detached, margins, merging, overlays, palette, ramps, sides, strokes, surfaces
+from .calm import LEFT, without_grain
 from .canvas import Canvas, mean_colours, planes, prepare, unpack
 from .model import Gradient, Labels
-from .noise import ROUNDING, SPECK, is_grainy, mixing_error, noise_level, noisy_colours
+from .noise import ROUNDING, SPECK, mixing_error, noise_level, noisy_colours
 from .options import TraceOptions
 from .posterise import MOST_REGIONS, is_noisy, posterise
 from .sprites import label_sprite
@@ -56,8 +57,9 @@ def label_pixels(image: np.ndarray, options: TraceOptions) -> Labels:
         labels = label_sprite(canvas)
     elif options.regions == "areas":
         labels = ramps.mark_slopes(canvas, areas.label_areas(canvas, options.areas or MOST_REGIONS))
-    elif is_noisy(canvas) and not is_grainy(canvas):
-        labels = posterise(canvas, options.colors or MANY)
+    elif is_noisy(canvas):
+        calmed = without_grain(canvas)
+        labels = label_flat_art(*calmed) if calmed else posterise(canvas, options.colors or MANY)
     else:
         labels = label_flat_art(canvas)
     if options.colors:
@@ -69,12 +71,15 @@ def label_pixels(image: np.ndarray, options: TraceOptions) -> Labels:
     return labels
 
 
-def label_flat_art(canvas: Canvas) -> Labels:
-    """Label a picture made of flat colours, soft ramps and anti-aliasing between them."""
+def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
+    """Label a picture made of flat colours, soft ramps and anti-aliasing between them.
+
+    `grain` is how strong the grain was that was taken out of it, levels.
+    """
     slopes, count = ramps.find_ramps(canvas)
     gradients: List[Optional[Gradient]] = [None] * count
     plateaus = palette.find_plateaus(canvas, slopes >= 0)
-    noise, rippled = noise_level(canvas, plateaus.core, slopes)
+    noise, rippled = (grain / LEFT, True) if grain else noise_level(canvas, plateaus.core, slopes)
     plain = palette.plain_colours(canvas)
     if plain.size:
         noise, rippled, keys = ROUNDING, False, plain
@@ -82,7 +87,7 @@ def label_flat_art(canvas: Canvas) -> Labels:
         # The ramps are ripples of flat colours.
         slopes, count = np.full(canvas.shape, -1, np.int32), 0
         plateaus = palette.find_plateaus(canvas, slopes >= 0)
-        keys = noisy_colours(canvas, plateaus, noise)
+        keys = noisy_colours(canvas, plateaus, noise, grain or noise)
     else:
         slopes, gradients, plateaus, inks = _surfaces(canvas, slopes, count, plateaus)
         count = len(gradients)

@@ -102,8 +102,8 @@ def _cores(canvas: Canvas, cells: np.ndarray, off: np.ndarray, area: np.ndarray)
     right[:-1] |= block
     down[:, 1:] |= block
     down[:, :-1] |= block
-    core, size = linked_areas(right, down)
-    return core[row, col], size
+    cores = linked_areas(right, down)
+    return cores.at(row * canvas.shape[1] + col), cores.size
 
 
 def _even(one: np.ndarray, other: np.ndarray, off: np.ndarray, area: np.ndarray) -> np.ndarray:

@@ -163,7 +163,7 @@ def new_colours(canvas: Canvas, cells: np.ndarray, ridges: Ridges, colours: np.n
         if fit_near >= 4 + doubt and not _mixed_near(canvas, cell, colours, labels):
             like = canvas.keys[cells[np.abs(around - colour).max(axis=0) < 10 + doubt]]
             key = _extreme(canvas, like, ridges.off[:, highest], canvas.keys[cell])
-            key = _pure(key, PURE + min(3 * doubt, 2 * PURE))
+            key = _pure(key, PURE + min(8 * doubt, 3 * PURE))
             exact = planes(key, canvas.opaque)
             if (np.abs(exact - colours).max(axis=0) >= TWIN + 2 * doubt).all():
                 found, colours = np.append(found, key), np.append(colours, exact, axis=1)

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Enlarged pictures are found out and made small again, and no others."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from artwork import CARTOON, draw
+
+from ddtcore.enlarged import LEAST, LOST, halved, lost_by_halving, original
+from ddtcore.options import TraceOptions
+from ddtcore.pipeline import trace
+
+Image = pytest.importorskip("PIL.Image")
+ImageFilter = pytest.importorskip("PIL.ImageFilter")
+
+FILTERS = {"bilinear": Image.BILINEAR, "bicubic": Image.BICUBIC, "lanczos": Image.LANCZOS}
+
+
+def scaled(image, factor, kind=Image.BICUBIC):
+    size = tuple(round(side * factor) for side in image.shape[1::-1])
+    return np.array(Image.fromarray(image).convert("RGB").resize(size, kind).convert("RGBA"))
+
+
+@pytest.fixture(scope="module")
+def clean():
+    return draw(192, 192, [(colour, lambda x, y, c=covers: c(x / 2, y / 2)) for colour, covers in CARTOON])
+
+
+@pytest.mark.parametrize("kind", FILTERS)
+def test_enlarged_pictures_get_their_size_back(clean, kind):
+    small, factor = original(scaled(clean, 2, FILTERS[kind]))
+    assert factor == 2 and small.shape == clean.shape
+    off, blocks = (np.abs(image.astype(int) - clean).mean()
+                   for image in (small, scaled(scaled(clean, 2, FILTERS[kind]), 0.5, Image.BOX)))
+    assert off < 0.85 * blocks and off < 1.2
+
+
+def test_pictures_enlarged_twice(clean):
+    small, factor = original(scaled(scaled(clean, 2), 2))
+    assert factor == 4 and small.shape == clean.shape
+
+
+@pytest.mark.parametrize("spoil", [
+    lambda image: image, lambda image: scaled(image, 0.7), lambda image: scaled(image, 1.5),
+    lambda image: np.repeat(np.repeat(image, 2, axis=0), 2, axis=1),
+    lambda image: np.array(Image.fromarray(image).filter(ImageFilter.GaussianBlur(0.7)))],
+    ids=["clean", "reduced", "by half", "in squares", "blurred"])
+def test_others_are_left_alone(clean, spoil):
+    image = spoil(clean)
+    small, factor = original(image)
+    assert factor == 1 and small is image
+    assert lost_by_halving(image) > LOST
+
+
+def test_odd_sizes_and_edges(clean):
+    for height, width in ((7, 9), (1, 1), (2, 5)):
+        assert halved(clean[:height, :width]).shape == (-(-height // 2), -(-width // 2), 4)
+    flat = np.full((2 * LEAST, 2 * LEAST, 4), 77, np.uint8)
+    assert original(flat)[1] == 1
+    assert (halved(flat) == 77).all()
+
+
+def test_their_drawing_has_the_size_of_the_picture(clean):
+    image = scaled(clean, 2)[:-1, :-1]
+    drawing = trace(image, TraceOptions())
+    assert (drawing.width, drawing.height) == (383, 383)
+    corners = np.concatenate([loop.control for shape in drawing.shapes for loop in shape.loops])
+    assert corners.max() == 383
+    assert len(drawing.shapes) <= len(trace(clean, TraceOptions()).shapes) + 2
