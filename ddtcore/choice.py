@@ -14,7 +14,8 @@ from typing import NamedTuple, Optional, Tuple
 import numpy as np
 
 from .options import Automatic, TraceOptions
-from .sprites import block_size, packed, reduced
+from .raster import packed
+from .sprites import block_size, reduced
 
 BLOCK = 4
 """Size of the blocks, px."""

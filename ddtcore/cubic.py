@@ -169,7 +169,7 @@ def _fit_spans(track: Track, spans: _Spans, tolerance: np.ndarray) -> Tuple[np.n
     curved = np.flatnonzero(~line)
     part, t = _take(spans, curved), spans.share[curved]
     # A few rounds show what can't fit; what comes near is given more.
-    for rounds in (3, 6):
+    for rounds in (2, 4):
         if not len(curved):
             break
         handles[curved], t = _fit(part, t, rounds)

@@ -76,8 +76,8 @@ def enlarge(drawing: Drawing, factor: float, width: int, height: int) -> Drawing
     factor : float
         By which the picture was reduced.
     width, height : int
-        Size of the whole picture; what blocks that it did not fill have added is pushed back
-        to its rim.
+        Size of the whole picture; what blocks that it did not fill have added, and what
+        handles bulge out, is pushed back to its rim.
 
     Returns
     -------
@@ -86,7 +86,7 @@ def enlarge(drawing: Drawing, factor: float, width: int, height: int) -> Drawing
     size = np.array([width, height], float)
 
     def grown(points: np.ndarray) -> np.ndarray:
-        return np.minimum(points * factor, size)
+        return np.clip(points * factor, 0, size)
 
     shapes = tuple(
         replace(shape, loops=tuple(Loop(grown(loop.control), loop.degree) for loop in shape.loops),

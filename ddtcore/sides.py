@@ -92,15 +92,17 @@ def near_samples(labels: np.ndarray, cells: np.ndarray, stride: int) -> Tuple[np
     count = np.zeros(cells.size, np.int8)
 
     def scan(steps: np.ndarray, some: np.ndarray) -> None:
+        at, have, known = cells[some], count[some], found[:, some]
         for step in steps:
-            near = labels[cells[some] + step]
-            new = (near >= 0) & (count[some] < SLOTS)
-            for slot in found:
-                new &= near != slot[some]
-            hit = some[new]
-            found[count[hit], hit] = near[new]
-            samples[count[hit], hit] = cells[hit] + step
-            count[hit] += 1
+            near = labels[at + step]
+            new = (near >= 0) & (have < SLOTS)
+            for slot in known:
+                new &= near != slot
+            hit = np.flatnonzero(new)
+            known[have[hit], hit] = near[hit]
+            samples[have[hit], some[hit]] = at[hit] + step
+            have[hit] += 1
+        found[:, some], count[some] = known, have
 
     everything = np.arange(cells.size)
     scan(window(stride, 1, 1), everything)

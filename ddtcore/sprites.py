@@ -15,6 +15,7 @@ import numpy as np
 
 from .canvas import Canvas, unpack
 from .model import Labels
+from .raster import packed
 
 AROUND = 3
 """How far round a crossing the pixels of its two colours are counted, px."""
@@ -32,21 +33,15 @@ def block_size(image: np.ndarray) -> int:
     int
         The largest number that divides both sides and all places where the colour changes.
     """
-    key = packed(image)
-    size = gcd(*key.shape)
+    size = gcd(*image.shape[:2])
     # A few rows and columns tell most pictures that are not made of squares.
-    for step in (max(1, min(key.shape) // 16), 1):
-        for lines in (key[::step], key.T[::step]):
+    for step in (max(1, min(image.shape[:2]) // 16), 1):
+        for lines in (image[::step], image.swapaxes(0, 1)[::step]):
             if size > 1:
-                for place in np.flatnonzero((lines[:, 1:] != lines[:, :-1]).any(axis=0)).tolist():
+                key = packed(lines)
+                for place in np.flatnonzero((key[:, 1:] != key[:, :-1]).any(axis=0)).tolist():
                     size = gcd(size, place + 1)
-    return size if size < min(key.shape) else 1
-
-
-def packed(image: np.ndarray) -> np.ndarray:
-    """Each pixel in one number, uint32 (H, W); 0 for all that are transparent."""
-    key = np.ascontiguousarray(image).view(np.uint32)[..., 0]
-    return np.where(image[..., 3] > 0, key, np.uint32(0))
+    return size if size < min(image.shape[:2]) else 1
 
 
 def reduced(image: np.ndarray, size: int) -> np.ndarray:

@@ -28,10 +28,10 @@ CONTRAST = 60.0
 EDGES = 50
 """Fewest such edges."""
 
-_LINES = 512
+_LINES = 256
 _WIDE = 8
 _ROUNDS = 2
-_SAMPLE = 1 << 12
+_SAMPLE = 1 << 9
 _FLAT = 0.1
 _PURE = 20.0
 
