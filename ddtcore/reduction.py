@@ -55,7 +55,7 @@ def _block_means(rows: np.ndarray, factor: int) -> np.ndarray:
         return ((2 * sums + weight) // (2 * weight)).astype(np.uint8)
     sums = _block_sums(rows * alpha.astype(np.uint32), factor)
     cover = _block_sums(alpha.astype(np.uint32), factor)
-    out = (2 * sums + cover) // np.maximum(2 * cover, 1)
+    out: np.ndarray = (2 * sums + cover) // np.maximum(2 * cover, 1)
     out[..., 3:] = (2 * cover + factor ** 2) // (2 * factor ** 2)
     return out.astype(np.uint8)
 
@@ -86,7 +86,7 @@ def enlarge(drawing: Drawing, factor: float, width: int, height: int) -> Drawing
     size = np.array([width, height], float)
 
     def grown(points: np.ndarray) -> np.ndarray:
-        return np.minimum(points * factor, size)
+        return np.asarray(np.minimum(points * factor, size))
 
     shapes = tuple(
         replace(shape, loops=tuple(Loop(grown(loop.control), loop.degree) for loop in shape.loops),
