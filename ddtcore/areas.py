@@ -62,7 +62,7 @@ class _Areas(NamedTuple):
         mean = self.total / self.size
         square = ((mean[:, self.one] - mean[:, self.other]) ** 2).sum(axis=0)
         a, b = self.size[self.one], self.size[self.other]
-        return (square * (a * b / (a + b)) / np.sqrt(self.length)).astype(np.float32)
+        return np.asarray((square * (a * b / (a + b)) / np.sqrt(self.length)).astype(np.float32))
 
 
 def label_areas(canvas: Canvas, most: int) -> Labels:
@@ -114,7 +114,7 @@ def _squares(colour: np.ndarray) -> np.ndarray:
         inside[even] = first[even]
         free[:rows * side, :cols * side] &= ~even
     head = number == row * width + col
-    return (np.cumsum(head.ravel()) - 1)[number]
+    return np.asarray((np.cumsum(head.ravel()) - 1)[number])
 
 
 def _borders(index: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:

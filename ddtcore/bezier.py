@@ -18,12 +18,12 @@ def basis(t: np.ndarray) -> np.ndarray:
 
 def evaluate(control: np.ndarray, segment: np.ndarray, t: np.ndarray) -> np.ndarray:
     """Points (N, 2) of cubic segments."""
-    return np.einsum("nk,nkd->nd", basis(t), control[segment])
+    return np.asarray(np.einsum("nk,nkd->nd", basis(t), control[segment]))
 
 
 def from_line(start: np.ndarray, end: np.ndarray) -> np.ndarray:
     """Lines (S, 4, 2) as cubics with evenly spaced control points."""
-    control = start[:, None] + (end - start)[:, None] * (np.arange(4) / 3.0)[:, None]
+    control: np.ndarray = start[:, None] + (end - start)[:, None] * (np.arange(4) / 3.0)[:, None]
     # Rounding must not open what meets.
     control[:, 3] = end
     return control

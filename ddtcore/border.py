@@ -52,7 +52,7 @@ def border_triangles(mesh: Mesh, vertex_labels: np.ndarray, vertex_colours: np.n
             raise ValueError(f"{name} must have {mesh.shape[0] * mesh.shape[1]} rows, one for each"
                              f" vertex of the mesh, not {len(values)}")
     labels = vertex_labels[mesh.triangles]
-    border = (labels != labels[:, :1]).any(axis=1)
+    border: np.ndarray = (labels != labels[:, :1]).any(axis=1)
     irregular = np.flatnonzero(_longest_side(mesh) > 2)
     border[irregular] |= _colour_range(vertex_colours[mesh.triangles[irregular]]) > threshold
     return border
@@ -72,7 +72,7 @@ def barycentres(mesh: Mesh, triangles: np.ndarray) -> np.ndarray:
     ndarray of shape (n, 2) and dtype float64
         Coordinates (x, y), px.
     """
-    return mesh.points(mesh.triangles[triangles]).mean(axis=1)
+    return np.asarray(mesh.points(mesh.triangles[triangles]).mean(axis=1))
 
 
 def draw_mesh(image: np.ndarray, labels: Labels, mesh: Mesh, options: TraceOptions) -> Drawing:
@@ -105,13 +105,13 @@ def draw_mesh(image: np.ndarray, labels: Labels, mesh: Mesh, options: TraceOptio
 def _longest_side(mesh: Mesh) -> np.ndarray:
     """Square of the longest side of each triangle, (T,)."""
     corners = np.stack(np.divmod(mesh.triangles, mesh.shape[1]))
-    return ((corners - np.roll(corners, 1, axis=2)) ** 2).sum(axis=0).max(axis=1)
+    return np.asarray(((corners - np.roll(corners, 1, axis=2)) ** 2).sum(axis=0).max(axis=1))
 
 
 def _colour_range(colours: np.ndarray) -> np.ndarray:
     """Largest distance between two of three colours (n, 3, C), float64 (n,)."""
     steps = colours.astype(np.float64) - np.roll(colours, 1, axis=1)
-    return np.sqrt((steps ** 2).sum(axis=2)).max(axis=1)
+    return np.asarray(np.sqrt((steps ** 2).sum(axis=2)).max(axis=1))
 
 
 def _mean_colours(framed: np.ndarray, mesh: Mesh) -> Tuple[np.ndarray, np.ndarray]:

@@ -96,7 +96,7 @@ def labelling_seconds(image: np.ndarray, options: TraceOptions) -> float:
         keys = packed(lines[::max(1, len(lines) // _LINES)])
         steps += np.count_nonzero(keys[:, 1:] != keys[:, :-1]) / keys.size
     most = AREAS if options.regions == "areas" else ROUGH
-    return image.shape[0] * image.shape[1] * (PIXEL + min(STEP * steps, most))
+    return float(image.shape[0] * image.shape[1] * (PIXEL + min(STEP * steps, most)))
 
 
 def drawing_seconds(labels: Labels, options: TraceOptions) -> float:

@@ -57,7 +57,8 @@ class Canvas:
 
     def numbers(self, row: np.ndarray, col: np.ndarray) -> np.ndarray:
         """Numbers of the pixels at rows and columns that do not count the rim."""
-        return (row + RIM) * np.int32(self.stride) + (col + RIM)
+        number: np.ndarray = (row + RIM) * np.int32(self.stride) + (col + RIM)
+        return number
 
     def places(self, cells: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
         """Row and column of pixels, not counting the rim."""

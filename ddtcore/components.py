@@ -73,7 +73,7 @@ def _renumber(root: np.ndarray) -> np.ndarray:
     first = np.full(root.size, root.size, np.int32)
     first[root[::-1]] = nodes[::-1]
     number = np.cumsum(first[root] == nodes, dtype=np.int32) - 1
-    return number[first[root]]
+    return np.asarray(number[first[root]])
 
 
 def link_components(right: np.ndarray, down: np.ndarray, down_right: Optional[np.ndarray] = None,

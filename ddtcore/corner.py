@@ -111,7 +111,7 @@ def _straightest_first(arc: np.ndarray, length: np.ndarray, turn: np.ndarray, ri
     head = _heads(arc)
     count = np.searchsorted(arc, arc, side="right") - head
     shift = np.where(ring, least - head, 0)
-    return head + (np.arange(len(arc)) - head + shift) % np.maximum(count, 1)
+    return np.asarray(head + (np.arange(len(arc)) - head + shift) % np.maximum(count, 1))
 
 
 def _bends(points: np.ndarray, arc: np.ndarray, ring: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
@@ -124,7 +124,7 @@ def _bends(points: np.ndarray, arc: np.ndarray, ring: np.ndarray) -> Tuple[np.nd
     def turn(k: int) -> np.ndarray:
         before, after = (np.where(ring[arc], (offset + d) % np.maximum(count, 1), np.clip(offset + d, 0, count - 1))
                          for d in (-k, k))
-        return np.abs(np.angle((place[head + after] - place) * (place - place[head + before]).conj()))
+        return np.asarray(np.abs(np.angle((place[head + after] - place) * (place - place[head + before]).conj())))
 
     rough = turn(6)
     bent = (rough > 0.2) | (turn(2) > 0.4)
@@ -140,7 +140,7 @@ def _turn(along: Arclength, arc: np.ndarray, length: np.ndarray, skip: float, ar
     """Turn between two chords beside each sample, less what the sides' own curvature explains."""
     def direction(a: float, b: float) -> np.ndarray:
         d = along.at(arc, length + b) - along.at(arc, length + a)
-        return np.arctan2(d[:, 1], d[:, 0])
+        return np.asarray(np.arctan2(d[:, 1], d[:, 0]))
 
     turn = _wrap(direction(skip, skip + arm) - direction(-skip - arm, -skip))
     if curved:
@@ -148,7 +148,7 @@ def _turn(along: Arclength, arc: np.ndarray, length: np.ndarray, skip: float, ar
         before = _wrap(direction(-mid, -skip) - direction(-skip - arm, -mid))
         after = _wrap(direction(mid, skip + arm) - direction(skip, mid))
         turn -= 0.8 * (before + after) / 2 * (2 * skip + arm) / (arm / 2)
-    return np.abs(turn)
+    return np.asarray(np.abs(turn))
 
 
 def _wrap(angle: np.ndarray) -> np.ndarray:
@@ -178,7 +178,7 @@ def _nearest(place: np.ndarray, others: np.ndarray, own: bool = False) -> np.nda
     padded = np.concatenate([[-1e9], others, [1e18]])
     index = np.searchsorted(padded, place)
     after = padded[index + 1] if own else padded[index]
-    return np.minimum(after - place, place - padded[index - 1])
+    return np.asarray(np.minimum(after - place, place - padded[index - 1]))
 
 
 class _Meeting(NamedTuple):

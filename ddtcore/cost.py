@@ -80,7 +80,8 @@ class EdgeCost:
         """Cost of the edge between each plane and the other, float64 (n,), squared levels."""
         signs = np.full(len(planes), -1.0)
         signs[:self.sizes] = 1.0
-        return signs @ (planes * others)
+        cost: np.ndarray = signs @ (planes * others)
+        return cost
 
 
 def premultiplied_levels(pixels: np.ndarray) -> np.ndarray:

@@ -206,7 +206,7 @@ def _between(t: np.ndarray, row: np.ndarray, column: np.ndarray) -> np.ndarray:
     """Parameters between those of samples, by fractional column."""
     left = np.clip(np.floor(column).astype(np.int64), 0, t.shape[1] - 2)
     before = t[row, left]
-    return np.clip(before + (column - left) * (t[row, left + 1] - before), 0, 1)
+    return np.asarray(np.clip(before + (column - left) * (t[row, left + 1] - before), 0, 1))
 
 
 def _fit(spans: _Spans, t: np.ndarray, rounds: int) -> Tuple[np.ndarray, np.ndarray]:
@@ -230,7 +230,7 @@ def _powers(spans: _Spans, handles: np.ndarray) -> np.ndarray:
 
 def _along(power: np.ndarray, t: np.ndarray) -> np.ndarray:
     """Points of the curves."""
-    return power[0] + t * (power[1] + t * (power[2] + t * power[3]))
+    return np.asarray(power[0] + t * (power[1] + t * (power[2] + t * power[3])))
 
 
 def _project(power: np.ndarray, t: np.ndarray, place: np.ndarray) -> np.ndarray:
@@ -240,7 +240,7 @@ def _project(power: np.ndarray, t: np.ndarray, place: np.ndarray) -> np.ndarray:
     bend = 2 * power[2] + 6 * t * power[3]
     steep = slope.real ** 2 + slope.imag ** 2 + away.real * bend.real + away.imag * bend.imag
     step = (away.real * slope.real + away.imag * slope.imag) / np.where(steep > 1e-9, steep, np.inf)
-    return np.clip(t - np.clip(step, -0.2, 0.2), 0.0, 1.0)
+    return np.asarray(np.clip(t - np.clip(step, -0.2, 0.2), 0.0, 1.0))
 
 
 def _solve(spans: _Spans, t: np.ndarray, turn: np.ndarray, slide: float) -> np.ndarray:
@@ -266,7 +266,7 @@ def _solve(spans: _Spans, t: np.ndarray, turn: np.ndarray, slide: float) -> np.n
     handle = np.linalg.solve(normal, right).reshape(m, 2, 2)
     wild = (handle[..., 0] < 0.03 * chord) | (handle[..., 0] > 1.6 * chord)
     along = np.where(wild, chord / 3, handle[..., 0])
-    return (along + 1j * np.where(wild, 0, handle[..., 1])) * spans.tangent
+    return np.asarray((along + 1j * np.where(wild, 0, handle[..., 1])) * spans.tangent)
 
 
 def _complex(points: np.ndarray) -> np.ndarray:

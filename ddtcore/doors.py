@@ -136,7 +136,7 @@ def _directions(hidden: Hidden) -> np.ndarray:
 
 
 def _unit(vectors: np.ndarray) -> np.ndarray:
-    return vectors / np.maximum(np.hypot(vectors[:, 0], vectors[:, 1]), 1e-12)[:, None]
+    return np.asarray(vectors / np.maximum(np.hypot(vectors[:, 0], vectors[:, 1]), 1e-12)[:, None])
 
 
 def _room(hidden: Hidden, outwards: np.ndarray, ranks: RankMap) -> np.ndarray:
@@ -160,11 +160,11 @@ def _meeting(points: np.ndarray, outwards: np.ndarray, other: np.ndarray) -> np.
         size = np.hypot(*turn.T)
         # Where doors part slowly, the coarse levels of the rank map watch the gap.
         gap = np.where(size < 0.38, 2, 0.8) / size
-        return np.where((here > 0) & (there > 0), 0.8 * here, gap)
+        return np.asarray(np.where((here > 0) & (there > 0), 0.8 * here, gap))
 
 
 def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
 
 
 def _from_end(hidden: Hidden) -> np.ndarray:
@@ -174,4 +174,4 @@ def _from_end(hidden: Hidden) -> np.ndarray:
     length[hidden.starts[:-1]] = 0
     along = np.cumsum(length)
     first, last = along[hidden.starts[:-1]], along[hidden.starts[1:] - 1]
-    return np.minimum(along - hidden.spread(first), hidden.spread(last) - along)
+    return np.asarray(np.minimum(along - hidden.spread(first), hidden.spread(last) - along))

@@ -58,7 +58,7 @@ def halved(image: np.ndarray) -> np.ndarray:
 
 def _block_mean(values: np.ndarray) -> np.ndarray:
     """Means of 2 x 2 pixels."""
-    return (values[::2, ::2] + values[::2, 1::2] + values[1::2, ::2] + values[1::2, 1::2]) / 4
+    return np.asarray((values[::2, ::2] + values[::2, 1::2] + values[1::2, ::2] + values[1::2, 1::2]) / 4)
 
 
 def _doubled(half: np.ndarray) -> np.ndarray:
@@ -96,7 +96,7 @@ def _lost(lines: np.ndarray) -> float:
 def _lanczos(places: np.ndarray) -> np.ndarray:
     """Weights of the pixels at some distances, px, when a picture is enlarged."""
     weights = np.sinc(places) * np.sinc(places / 3)
-    return (weights / weights.sum()).astype(np.float32)
+    return np.asarray((weights / weights.sum()).astype(np.float32))
 
 
 _WEIGHTS = _lanczos(np.arange(6) - 2.75)

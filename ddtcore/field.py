@@ -79,17 +79,17 @@ class Field(NamedTuple):
     def places(self, points: np.ndarray) -> np.ndarray:
         """How far along each point (n, 2) lies, (n,)."""
         if self.kind == "linear":
-            return points.dot(self.axis)
+            return np.asarray(points.dot(self.axis))
         offset = points - self.values[:2]
-        return np.sqrt(np.maximum(np.einsum("ni,ni->n", offset.dot(self.matrix), offset), 0))
+        return np.asarray(np.sqrt(np.maximum(np.einsum("ni,ni->n", offset.dot(self.matrix), offset), 0)))
 
     def changes(self, points: np.ndarray) -> np.ndarray:
         """Derivatives (n, P) of the places by the values."""
         if self.kind == "linear":
-            return points.dot([[-self.axis[1]], [self.axis[0]]])
+            return np.asarray(points.dot([[-self.axis[1]], [self.axis[0]]]))
         x, y = offset = (points - self.values[:2]).T
         changes = np.stack([*-self.matrix.dot(offset), (x * x - y * y) / 2, x * y], axis=1)
-        return changes[:, :len(self.values)] / np.maximum(self.places(points), 1e-6)[:, None]
+        return np.asarray(changes[:, :len(self.values)] / np.maximum(self.places(points), 1e-6)[:, None])
 
     @property
     def sound(self) -> bool:
@@ -203,7 +203,8 @@ def _least(matrix: np.ndarray, norm: np.ndarray) -> np.ndarray:
     """The vector v that makes v·matrix·v / v·norm·v least."""
     norm = norm + (1e-9 * np.trace(norm) + 1e-300) * np.eye(len(norm))
     half = np.linalg.inv(np.linalg.cholesky(norm))
-    return np.linalg.eigh(half.dot(matrix).dot(half.T))[1][:, 0].dot(half)
+    least = np.linalg.eigh(half.dot(matrix).dot(half.T))[1][:, 0]
+    return np.asarray(least.dot(half))
 
 
 def refined(field: Field, samples: Samples) -> Tuple[Field, np.ndarray]:

@@ -85,14 +85,14 @@ def _tolerances(step: np.ndarray, tolerance: np.ndarray) -> np.ndarray:
     The colours of the picture are whole numbers, so the fainter an edge is, the less
     its pixels tell where it lies, and the less anybody sees of it.
     """
-    return tolerance * (1 + FAINT / np.maximum(np.abs(step).max(axis=1), 1))
+    return np.asarray(tolerance * (1 + FAINT / np.maximum(np.abs(step).max(axis=1), 1)))
 
 
 def _room(planar: PlanarMap) -> np.ndarray:
     """Largest tolerance of each arc, px, at which the smaller of its two faces cannot shrink to nothing."""
     area = planar.face_areas.astype(np.float64)
     area[0] = np.inf
-    return SHRINKING * np.sqrt(np.minimum(area[planar.left], area[planar.right]))
+    return np.asarray(SHRINKING * np.sqrt(np.minimum(area[planar.left], area[planar.right])))
 
 
 def _kept_inside(control: np.ndarray, size: np.ndarray) -> np.ndarray:

@@ -119,4 +119,4 @@ def straightened(colours: np.ndarray) -> np.ndarray:
     """RGBA bytes of premultiplied colours (n, 4)."""
     alpha = np.clip(colours[:, 3:], 0, 255)
     rgb = np.where(alpha > 0, colours[:, :3] * 255 / np.maximum(alpha, 1e-9), 0)
-    return np.clip(np.rint(np.concatenate([rgb, alpha], axis=1)), 0, 255).astype(np.uint8)
+    return np.asarray(np.clip(np.rint(np.concatenate([rgb, alpha], axis=1)), 0, 255).astype(np.uint8))

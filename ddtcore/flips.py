@@ -224,8 +224,9 @@ def _cost_of_pair(ribbon: Ribbon, now: _View, side: int, edge: np.ndarray, behin
     m, c = (ribbon.planes_of(ribbon.twins[h]) for h in (following(behind), preceding(behind)))
     b, n = (far, beside) if side in (0, 2) else (beside, far)
     between = ribbon.cost.between
-    return (between(t, u + b + m) + between(u, c + n) + between(far, opposite + diagonal)
-            - between(third, m + c))
+    cost: np.ndarray = (between(t, u + b + m) + between(u, c + n) + between(far, opposite + diagonal)
+                        - between(third, m + c))
+    return cost
 
 
 def _patches(ribbon: Ribbon, edges: np.ndarray, second: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
@@ -252,7 +253,8 @@ def _winners(ribbon: Ribbon, gains: np.ndarray, edges: np.ndarray, core: np.ndar
     # Of the ranks written to one triangle the last one, the highest, stays.
     board = np.zeros(ribbon.outside + 1, np.int64)
     board[core[:, order].T] = rank[order][:, np.newaxis]
-    return np.maximum(board[core].max(axis=0), board[around].max(axis=0)) == rank
+    highest = np.maximum(board[core].max(axis=0), board[around].max(axis=0))
+    return np.asarray(highest == rank)
 
 
 def _flip(ribbon: Ribbon, edges: np.ndarray, second: np.ndarray) -> int:

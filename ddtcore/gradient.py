@@ -94,7 +94,7 @@ class _Unit(NamedTuple):
     size: float
 
     def local(self, points: np.ndarray) -> np.ndarray:
-        return (points - self.middle) / self.size
+        return np.asarray((points - self.middle) / self.size)
 
     def back(self, points: np.ndarray) -> np.ndarray:
         return self.middle + self.size * points
@@ -228,7 +228,7 @@ def offsets_at(gradient: Gradient, points: np.ndarray) -> np.ndarray:
     along = np.array(gradient.end) - start
     offset = points - start
     if gradient.kind == "linear":
-        return offset.dot(along) / max(along.dot(along), 1e-12)
+        return np.asarray(offset.dot(along) / max(along.dot(along), 1e-12))
     across = np.array(gradient.across) - start if gradient.across else np.array([-along[1], along[0]])
     frame = np.stack([along, across], axis=1)
-    return np.hypot(*np.linalg.solve(frame, offset.T))
+    return np.asarray(np.hypot(*np.linalg.solve(frame, offset.T)))

@@ -108,7 +108,7 @@ def _turns(planar: PlanarMap, arc: np.ndarray, points: np.ndarray) -> np.ndarray
     before = np.where(index > begin, index - 1, np.where(ring, end, index))
     after = np.where(index < end, index + 1, np.where(ring, begin, index))
     into, out = points - points[before], points[after] - points
-    return (np.sign(into) != np.sign(out)).any(axis=1)
+    return np.asarray((np.sign(into) != np.sign(out)).any(axis=1))
 
 
 def _joined(planar: PlanarMap, arc: np.ndarray, points: np.ndarray) -> Curves:

@@ -117,7 +117,7 @@ def ward_groups(points: np.ndarray, weights: np.ndarray, most: int) -> np.ndarra
 
 def _ward_cost(a: np.ndarray, wa: np.ndarray, b: np.ndarray, wb: np.ndarray) -> np.ndarray:
     square = ((a[:, None] - b[None]) ** 2).sum(axis=-1)
-    return square * (wa[:, None] * wb / (wa[:, None] + wb))
+    return np.asarray(square * (wa[:, None] * wb / (wa[:, None] + wb)))
 
 
 def merge_specks(labels: Labels, area: float,
@@ -167,7 +167,7 @@ def _inside_one(region: np.ndarray) -> np.ndarray:
     """Which regions border on one other only, bool (R,)."""
     one, other = _borders(region)
     count = int(region.max()) + 1
-    return np.bincount(np.unique(one * count + other) // count, minlength=count) == 1
+    return np.asarray(np.bincount(np.unique(one * count + other) // count, minlength=count) == 1)
 
 
 def _best_neighbours(region: np.ndarray, size: np.ndarray, area: float) -> np.ndarray:

@@ -13,12 +13,14 @@ import numpy as np
 
 def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Scalar products along the first axis."""
-    return np.einsum("i...,i...->...", a, b)
+    product: np.ndarray = np.einsum("i...,i...->...", a, b)
+    return product
 
 
 def length(vectors: np.ndarray) -> np.ndarray:
     """Euclidean lengths along the first axis."""
-    return np.sqrt(dot(vectors, vectors))
+    size: np.ndarray = np.sqrt(dot(vectors, vectors))
+    return size
 
 
 def segment_distance(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:

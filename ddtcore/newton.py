@@ -75,7 +75,7 @@ def solve(problem: Problem) -> np.ndarray:
 
     def normal(x: np.ndarray) -> np.ndarray:
         own = np.einsum("sij,sj->si", blocks, x[index])
-        change = np.bincount(index.ravel(), own.ravel(), n) + shared(x) + problem.damping * x
+        change: np.ndarray = np.bincount(index.ravel(), own.ravel(), n) + shared(x) + problem.damping * x
         change[0] = 0
         return change
 

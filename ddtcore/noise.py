@@ -106,7 +106,7 @@ def mixing_error(canvas: Canvas, labels: np.ndarray, cells: np.ndarray) -> float
 def _spans(canvas: Canvas, cells: np.ndarray) -> np.ndarray:
     """How much the colours within 3 x 3 of pixels differ, levels: the largest range of a channel."""
     around = canvas.colours(cells + np.append(window(canvas.stride, 1, 1), 0)[:, None])
-    return (around.max(axis=1) - around.min(axis=1)).max(axis=0)
+    return np.asarray((around.max(axis=1) - around.min(axis=1)).max(axis=0))
 
 
 def _between_plateaus(canvas: Canvas, core: np.ndarray, cells: np.ndarray, span: np.ndarray) -> np.ndarray:
@@ -116,7 +116,7 @@ def _between_plateaus(canvas: Canvas, core: np.ndarray, cells: np.ndarray, span:
     highest = np.where(flat, colours, -np.inf).max(axis=1)
     lowest = np.where(flat, colours, np.inf).min(axis=1)
     reach = (highest - lowest).max(axis=0)
-    return (reach > _APART) & (reach >= 0.8 * span)
+    return np.asarray((reach > _APART) & (reach >= 0.8 * span))
 
 
 def noisy_colours(canvas: Canvas, plateaus: Plateaus, noise: float, original: float) -> np.ndarray:
@@ -179,7 +179,8 @@ def _unlike(canvas: Canvas, keys: np.ndarray, margin: float) -> List[np.uint32]:
 
 def _apart(canvas: Canvas, keys: np.ndarray, key: np.uint32) -> np.ndarray:
     """Largest difference of a channel between packed colours and one of them."""
-    return np.abs(planes(keys, canvas.opaque) - planes(np.array([key], np.uint32), canvas.opaque)).max(axis=0)
+    off = planes(keys, canvas.opaque) - planes(np.array([key], np.uint32), canvas.opaque)
+    return np.asarray(np.abs(off).max(axis=0))
 
 
 def _sloping_area(canvas: Canvas, slopes: np.ndarray) -> int:

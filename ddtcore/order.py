@@ -102,4 +102,4 @@ def filled_holes(loops: FaceLoops, order: Order) -> np.ndarray:
         before = lowest.copy()
         np.minimum.at(lowest, around, lowest[inner])
         if np.array_equal(before, lowest):
-            return hole & (lowest[loops.web] > order.rank[loops.face])
+            return np.asarray(hole & (lowest[loops.web] > order.rank[loops.face]))

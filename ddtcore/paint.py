@@ -104,7 +104,7 @@ def local_colours(labels: Labels, number: np.ndarray, points: np.ndarray) -> np.
     ndarray of shape (n, 4) and dtype float64
         Premultiplied RGBA, 0 to 255.
     """
-    colours = premultiply(np.concatenate([labels.palette, np.zeros((1, 4))]))[number]
+    colours: np.ndarray = premultiply(np.concatenate([labels.palette, np.zeros((1, 4))]))[number]
     for label, gradient in enumerate(labels.gradients or ()):
         if gradient is not None:
             here = np.flatnonzero(number == label)
@@ -250,7 +250,7 @@ def _height(image: np.ndarray, regions: np.ndarray, cells: np.ndarray) -> np.nda
         total += other * premultiply(colours[cells + step].astype(np.float64))
         count += other
     off = premultiply(colours[cells].astype(np.float64)) - total / np.maximum(count, 1)
-    return np.sqrt((off ** 2).sum(axis=1))
+    return np.asarray(np.sqrt((off ** 2).sum(axis=1)))
 
 
 def _most_near(height: np.ndarray, regions: np.ndarray, cells: np.ndarray) -> np.ndarray:

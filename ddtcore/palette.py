@@ -116,7 +116,7 @@ def _sound_blocks(canvas: Canvas, block: np.ndarray, weak: np.ndarray) -> np.nda
         side = key[at - across]
         sound &= ~((side == key[at + 2 * across]) & (side == key[at - across + along])
                    & (side == key[at + 2 * across + along]))
-    return key[at[sound]]
+    return np.asarray(key[at[sound]])
 
 
 def plain_colours(canvas: Canvas) -> np.ndarray:
@@ -161,7 +161,7 @@ def unmixed_colours(canvas: Canvas, plateaus: Plateaus, chosen: np.ndarray) -> n
     some = plateaus.keys[(plateaus.full == 0) & (plateaus.sound == 0)][:MANY]
     colours, known = planes(some, canvas.opaque), planes(chosen, canvas.opaque)
     alike = (np.abs(colours[:, :, None] - known[:, None]).max(axis=0) < LIKE).any(axis=1)
-    return some[~alike & ~is_mixed(colours, known)]
+    return np.asarray(some[~alike & ~is_mixed(colours, known)])
 
 
 def _elbow_colours(canvas: Canvas, plateaus: Plateaus, chosen: np.ndarray) -> np.ndarray:
@@ -177,7 +177,7 @@ def _elbow_colours(canvas: Canvas, plateaus: Plateaus, chosen: np.ndarray) -> np
     keys, counts = np.unique(here[elbow], return_counts=True)
     keys = keys[(counts >= ELBOWS) & ~np.isin(keys, plateaus.keys)]
     off = np.abs(planes(keys, canvas.opaque)[:, :, None] - planes(chosen, canvas.opaque)[:, None]).max(axis=0)
-    return keys[~(off < LIKE).any(axis=1)]
+    return np.asarray(keys[~(off < LIKE).any(axis=1)])
 
 
 def _interior(canvas: Canvas, cells: np.ndarray) -> np.ndarray:
@@ -248,7 +248,7 @@ def _exact_labels(canvas: Canvas, keys: np.ndarray) -> np.ndarray:
 def _has_twin(colours: np.ndarray) -> np.ndarray:
     """Which colours (C, K) are hard to tell from another one."""
     off = np.abs(colours[:, :, None] - colours[:, None]).max(axis=0)
-    return (off < TWIN).sum(axis=0) > 1
+    return np.asarray((off < TWIN).sum(axis=0) > 1)
 
 
 def _nearest_within(canvas: Canvas, cells: np.ndarray, colours: np.ndarray, margin: float) -> np.ndarray:

@@ -38,7 +38,8 @@ def oklab(rgb: np.ndarray) -> np.ndarray:
     """
     value = np.asarray(rgb, np.float64) / 255
     linear = np.where(value > 0.04045, ((np.maximum(value, 0.04045) + 0.055) / 1.055) ** 2.4, value / 12.92)
-    return np.cbrt(linear @ _CONES.T) @ _OPPONENTS.T
+    lab: np.ndarray = np.cbrt(linear @ _CONES.T) @ _OPPONENTS.T
+    return lab
 
 
 def nearest(rgb: np.ndarray, among: np.ndarray) -> np.ndarray:

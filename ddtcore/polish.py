@@ -107,7 +107,7 @@ class Target(NamedTuple):
         across = range(self.block)
         mean = sum(premultiplied(self.image[row + y, col + x]) for y in across for x in across) / self.block ** 2
         self.known[new] = np.einsum("pk,kc->pc", mean, self.basis)
-        return self.known[pixels]
+        return np.asarray(self.known[pixels])
 
 
 def polish(wire: Wire, target: Target, rounds: int) -> Wire:

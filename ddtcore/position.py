@@ -122,7 +122,7 @@ def _half_way(edge: np.ndarray, shares: List[np.ndarray], framed: np.ndarray) ->
     rise = b - a
     half = np.where(rise > 0.2, (0.5 - a) / np.maximum(rise, 0.2), 0.5)
     half = np.where(framed, 0.5, np.clip(half, 0.05, 0.95))
-    return edge[:, 0] + half[:, None] * (edge[:, 1] - edge[:, 0])
+    return np.asarray(edge[:, 0] + half[:, None] * (edge[:, 1] - edge[:, 0]))
 
 
 def _first_in_column(ring: np.ndarray, arc: np.ndarray, raw: np.ndarray, tangent: np.ndarray) -> np.ndarray:
@@ -150,7 +150,8 @@ def _pixels(image: np.ndarray, points: np.ndarray) -> np.ndarray:
 def _share(colour: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
     """How much of the left colour is in a mix of left and right, (N,); not limited to 0..1."""
     span = left - right
-    return np.einsum("ij,ij->i", colour - right, span) / np.maximum(np.einsum("ij,ij->i", span, span), 1)
+    size = np.einsum("ij,ij->i", span, span)
+    return np.asarray(np.einsum("ij,ij->i", colour - right, span) / np.maximum(size, 1))
 
 
 def _junction_means(mesh: Mesh, planar: PlanarMap, raw: np.ndarray) -> np.ndarray:
@@ -174,7 +175,7 @@ def _tangents(planar: PlanarMap, arc: np.ndarray, raw: np.ndarray) -> np.ndarray
     offset = index - first
     after = np.where(ring, (offset + 2) % length, np.minimum(offset + 2, length - 1))
     before = np.where(ring, (offset - 2) % length, np.maximum(offset - 2, 0))
-    return raw[first + after] - raw[first + before]
+    return np.asarray(raw[first + after] - raw[first + before])
 
 
 def _column_sums(image: np.ndarray, raw: np.ndarray, tangent: np.ndarray, left: np.ndarray,
@@ -262,7 +263,7 @@ def _frame_corners(mesh: Mesh, planar: PlanarMap, arc: int, ends: np.ndarray) ->
 
 def _along_frame(point: np.ndarray, w: float, h: float) -> float:
     """Distance along the picture's border from its top left corner, clockwise."""
-    x, y = point
+    x, y = map(float, point)
     if y == 0:
         return x
     if x == w:

@@ -38,7 +38,7 @@ def _rough_share(lines: np.ndarray, opaque: bool) -> float:
         return 0.0
     row, col = np.nonzero(lines[:, 1:-2] != lines[:, 2:-1])
     even = is_even(*(planes(lines[row, col + k], opaque) for k in range(4)))
-    return np.count_nonzero(~even) / (len(lines) * (lines.shape[1] - 3))
+    return float(np.count_nonzero(~even) / (len(lines) * (lines.shape[1] - 3)))
 
 
 def posterise(canvas: Canvas, most: int) -> Labels:

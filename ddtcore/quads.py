@@ -83,7 +83,7 @@ def choose_slash(image: np.ndarray, labels: Labels, quads: np.ndarray, steps: St
     """
     top, bottom, left, right = (_size(step, cost) for step in steps)
     better = ((top - bottom) * (left - right)).sum(axis=0)
-    slash = better > 0
+    slash: np.ndarray = better > 0
     saddle = np.flatnonzero((better == 0) & (steps.top != steps.bottom).any(axis=0))
     slash[saddle] = _slash_is_rarer(image, quads[saddle])
     if labels.thin.any():
@@ -146,17 +146,17 @@ def _corner_values(plane: np.ndarray, quads: np.ndarray) -> np.ndarray:
     before, after = np.maximum(col - 1, 0), np.minimum(col, width - 1)
     pixels = np.stack([above * width + before, above * width + after, below * width + after,
                        below * width + before])
-    return plane.ravel()[pixels]
+    return np.asarray(plane.ravel()[pixels])
 
 
 def _size(step: np.ndarray, cost: str) -> np.ndarray:
     step = step.astype(np.int64)
-    return np.abs(step) if cost == "paper" else (step * step).sum(axis=0, keepdims=True)
+    return np.asarray(np.abs(step) if cost == "paper" else (step * step).sum(axis=0, keepdims=True))
 
 
 def _thin_link(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     """Whether labels, with thin ones stored as -1 - label, are equal and one of them thin."""
-    return (np.minimum(one, other) < 0) & (np.maximum(one, -1 - one) == np.maximum(other, -1 - other))
+    return np.asarray((np.minimum(one, other) < 0) & (np.maximum(one, -1 - one) == np.maximum(other, -1 - other)))
 
 
 def _slash_is_rarer(image: np.ndarray, quads: np.ndarray) -> np.ndarray:
@@ -170,4 +170,4 @@ def _slash_is_rarer(image: np.ndarray, quads: np.ndarray) -> np.ndarray:
     backslash = block[:, 1, 1] + block[:, 2, 2]
     slash = block[:, 1, 2] + block[:, 2, 1]
     ring = block.sum(axis=(1, 2)) - backslash - slash
-    return ((6 * slash - ring) ** 2).sum(axis=1) > ((6 * backslash - ring) ** 2).sum(axis=1)
+    return np.asarray(((6 * slash - ring) ** 2).sum(axis=1) > ((6 * backslash - ring) ** 2).sum(axis=1))

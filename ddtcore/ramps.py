@@ -155,7 +155,7 @@ def _even_steps(canvas: Canvas, equal: np.ndarray, step: int) -> np.ndarray:
 
 def is_even(before: np.ndarray, here: np.ndarray, there: np.ndarray, after: np.ndarray) -> np.ndarray:
     """Whether four pixels in a row (C, N) change by small and even steps."""
-    even = np.abs(there - here).max(axis=0) <= STEP
+    even: np.ndarray = np.abs(there - here).max(axis=0) <= STEP
     even &= is_straight(before, here, there)
     even &= is_straight(here, there, after)
     return even
@@ -167,7 +167,8 @@ def is_straight(before: np.ndarray, here: np.ndarray, after: np.ndarray) -> np.n
     if len(off) == 4:
         # Where there is alpha, colours have been rounded twice.
         off[:3] /= 2
-    return off.max(axis=0) <= BEND
+    straight: np.ndarray = off.max(axis=0) <= BEND
+    return straight
 
 
 def _many_levels(area: np.ndarray, size: np.ndarray, level: np.ndarray) -> np.ndarray:

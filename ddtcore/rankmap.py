@@ -97,7 +97,7 @@ class RankMap:
         cell = np.floor(points * self._cells[level]).astype(np.int64) + 1
         col = np.clip(cell[:, 0], 0, grid.shape[1] - 1)
         row = np.clip(cell[:, 1], 0, grid.shape[0] - 1)
-        return grid[row, col]
+        return np.asarray(grid[row, col])
 
 
 def _fill(starts: np.ndarray, points: np.ndarray, left: np.ndarray, right: np.ndarray,

@@ -55,7 +55,7 @@ def _block_means(rows: np.ndarray, factor: int) -> np.ndarray:
         return ((2 * sums + weight) // (2 * weight)).astype(np.uint8)
     sums = _block_sums(rows * alpha.astype(np.uint32), factor)
     cover = _block_sums(alpha.astype(np.uint32), factor)
-    out = (2 * sums + cover) // np.maximum(2 * cover, 1)
+    out: np.ndarray = (2 * sums + cover) // np.maximum(2 * cover, 1)
     out[..., 3:] = (2 * cover + factor ** 2) // (2 * factor ** 2)
     return out.astype(np.uint8)
 
@@ -76,8 +76,8 @@ def enlarge(drawing: Drawing, factor: float, width: int, height: int) -> Drawing
     factor : float
         By which the picture was reduced.
     width, height : int
-        Size of the whole picture; what blocks that it did not fill have added, and what
-        handles bulge out, is pushed back to its rim.
+        Size of the whole picture; what blocks that it did not fill have added is pushed back
+        to its rim.
 
     Returns
     -------
@@ -85,8 +85,12 @@ def enlarge(drawing: Drawing, factor: float, width: int, height: int) -> Drawing
     """
     size = np.array([width, height], float)
 
-    def grown(points: np.ndarray) -> np.ndarray:
-        return np.clip(points * factor, 0, size)
+    def grown(control: np.ndarray) -> np.ndarray:
+        # Handles may well reach beyond the picture where the curve does not.
+        control = control * factor
+        beyond = (control[:, [0, 3]] > size).any(axis=(1, 2))
+        control[beyond] = np.minimum(control[beyond], size)
+        return control
 
     shapes = tuple(
         replace(shape, loops=tuple(Loop(grown(loop.control), loop.degree) for loop in shape.loops),
@@ -94,7 +98,7 @@ def enlarge(drawing: Drawing, factor: float, width: int, height: int) -> Drawing
         for shape in drawing.shapes)
     triangles = drawing.triangles
     if triangles is not None:
-        triangles = replace(triangles, points=grown(triangles.points))
+        triangles = replace(triangles, points=np.minimum(triangles.points * factor, size))
     return replace(drawing, width=width, height=height, shapes=shapes, triangles=triangles)
 
 

@@ -84,7 +84,7 @@ class Ribbon:
     @property
     def outside(self) -> int:
         """Number of the triangle that stands for what lies beside the ribbon."""
-        return self.planes.shape[1] - 1
+        return int(self.planes.shape[1]) - 1
 
     def planes_of(self, half_edges: np.ndarray) -> np.ndarray:
         """Planes of the triangles that half-edges (n,) belong to, (K, n)."""
@@ -93,12 +93,14 @@ class Ribbon:
 
 def following(half_edges: np.ndarray) -> np.ndarray:
     """The next half-edges of the same triangles."""
-    return half_edges + _NEXT[half_edges % 3]
+    after: np.ndarray = half_edges + _NEXT[half_edges % 3]
+    return after
 
 
 def preceding(half_edges: np.ndarray) -> np.ndarray:
     """The half-edges of the same triangles that come before."""
-    return half_edges + _BACK[half_edges % 3]
+    before: np.ndarray = half_edges + _BACK[half_edges % 3]
+    return before
 
 
 def sides(ribbon: Ribbon, edges: np.ndarray) -> Tuple[np.ndarray, ...]:

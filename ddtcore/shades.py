@@ -176,4 +176,4 @@ def _sizes(canvas: Canvas, cells: np.ndarray, number: np.ndarray) -> np.ndarray:
     row, col = canvas.places(cells)
     whole[row, col] = number
     piece = label_components(whole, 8)
-    return np.bincount(piece.ravel())[piece[row, col]]
+    return np.asarray(np.bincount(piece.ravel())[piece[row, col]])

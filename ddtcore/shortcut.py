@@ -75,8 +75,8 @@ def _free(triangles: np.ndarray, rank: np.ndarray, ranks: RankMap) -> np.ndarray
     weights = np.stack([steps[which] - u - v, u, v], axis=1) / steps[which][:, None]
     seen = ranks.lowest(np.einsum("nk,nkd->nd", weights, triangles[which]), _LEVEL)
     taken = np.bincount(which, seen < rank[which], minlength=len(steps))
-    return (taken == 0) & (longest <= _LONGEST)
+    return np.asarray((taken == 0) & (longest <= _LONGEST))
 
 
 def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])

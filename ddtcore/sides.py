@@ -33,7 +33,7 @@ def window(stride: int, low: int, high: int) -> np.ndarray:
     ring = np.maximum(abs(row), abs(col))
     order = np.lexsort((row * row + col * col, ring))
     order = order[(ring[order] >= low) & (ring[order] <= high)]
-    return (row * stride + col)[order].astype(np.int32)
+    return np.asarray((row * stride + col)[order].astype(np.int32))
 
 
 def label_mixed(canvas: Canvas, sharp: Canvas, labels: np.ndarray, cells: np.ndarray,

@@ -132,7 +132,7 @@ def dot_arcs(planar: PlanarMap, arc: np.ndarray, pure: np.ndarray) -> np.ndarray
     """
     area = planar.face_areas
     small = np.minimum(area[planar.left], area[planar.right]) <= DOT
-    return small & (planar.left != 0) & (np.bincount(arc, ~pure, len(small)) == 0)
+    return np.asarray(small & (planar.left != 0) & (np.bincount(arc, ~pure, len(small)) == 0))
 
 
 def along_pixels(ring: np.ndarray, arc: np.ndarray, walk: np.ndarray,

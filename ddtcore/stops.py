@@ -87,7 +87,7 @@ def hats(place: np.ndarray, knots: np.ndarray) -> np.ndarray:
     passed = np.clip((place[:, None] - begin) / np.maximum(end - begin, 1e-9), 0, 1)
     edge = passed.shape[:-1] + (1,)
     passed = np.concatenate([np.ones(edge), passed, np.zeros(edge)], axis=-1)
-    return passed[..., :-1] - passed[..., 1:]
+    return np.asarray(passed[..., :-1] - passed[..., 1:])
 
 
 def choose_stops(bins: Profile, price: float) -> Tuple[np.ndarray, np.ndarray]:
@@ -156,7 +156,8 @@ def _settled(bins: Profile, knots: np.ndarray) -> Tuple[np.ndarray, float]:
 def _apart(knots: np.ndarray) -> np.ndarray:
     """The knots within 0 and 1, rising by some distance at least."""
     spread = _GAP * np.arange(len(knots))
-    return np.clip(np.maximum.accumulate(knots - spread), 0, 1 - spread[-1]) + spread
+    apart: np.ndarray = np.clip(np.maximum.accumulate(knots - spread), 0, 1 - spread[-1]) + spread
+    return apart
 
 
 def _pull(bins: Profile, knots: np.ndarray, values: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:

@@ -199,14 +199,14 @@ def _extreme(canvas: Canvas, keys: np.ndarray, away: np.ndarray, default: np.uin
 def _is_any(points: np.ndarray, colours: np.ndarray) -> np.ndarray:
     """Which points (C, N) are, but for rounding, one of the colours (C, K), bool (N,)."""
     square = dot(points, points)[:, None] - 2 * points.T @ colours + dot(colours, colours)
-    return square.min(axis=1) < (2 * ROUNDING) ** 2
+    return np.asarray(square.min(axis=1) < (2 * ROUNDING) ** 2)
 
 
 def _within_reach(canvas: Canvas, cells: np.ndarray, cell: int) -> np.ndarray:
     """Which pixels lie near one of them."""
     row, col = canvas.places(cells)
     own_row, own_col = canvas.places(np.asarray(cell))
-    return np.abs(row - own_row) + np.abs(col - own_col) <= _REACH
+    return np.asarray(np.abs(row - own_row) + np.abs(col - own_col) <= _REACH)
 
 
 def _mixed_near(canvas: Canvas, cell: int, colours: np.ndarray, labels: np.ndarray) -> bool:
@@ -275,7 +275,7 @@ def _continuing(canvas: Canvas, cells: np.ndarray, label: np.ndarray, strong: np
         led = (stroke[cells[weak] + ring] == label[weak]).any(axis=0)
         stroke[cells[weak[led]]] = label[weak[led]]
         weak = weak[~led]
-    return stroke[cells] >= 0
+    return np.asarray(stroke[cells] >= 0)
 
 
 def lone_corners(labels: np.ndarray, thin: np.ndarray, cells: np.ndarray, stride: int) -> np.ndarray:
@@ -289,7 +289,7 @@ def lone_corners(labels: np.ndarray, thin: np.ndarray, cells: np.ndarray, stride
     connecting = thin[near] & (labels[near] == labels[cells])
     # Two pixels that touch across a corner are connected without the one between them.
     connecting[connecting] = _runs(labels, near[connecting], ring, True) > 1
-    return (_runs(labels, cells, ring, False) <= 1) & ~connecting.any(axis=0)
+    return np.asarray((_runs(labels, cells, ring, False) <= 1) & ~connecting.any(axis=0))
 
 
 def _runs(labels: np.ndarray, cells: np.ndarray, ring: np.ndarray, diagonal: bool) -> np.ndarray:

@@ -279,7 +279,7 @@ def _widest(mask: np.ndarray) -> Optional[np.ndarray]:
     row, col = (place[place.size // 2] - 1 for place in np.nonzero(inner))
     seed = np.zeros_like(mask)
     seed[max(row - depth, 0):row + depth + 1, max(col - depth, 0):col + depth + 1] = True
-    return seed & mask
+    return np.asarray(seed & mask)
 
 
 def _eroded(mask: np.ndarray) -> np.ndarray:
@@ -312,7 +312,7 @@ def _reached(ramp: _Ramp, left: np.ndarray, seed: np.ndarray, surface: Surface) 
     fits = left & (_off(ramp, surface) < FIT)
     area = label_components(fits)
     inside = area[seed & fits]
-    return fits & (area == np.bincount(inside).argmax()) if inside.size else fits & seed
+    return np.asarray(fits & (area == np.bincount(inside).argmax()) if inside.size else fits & seed)
 
 
 def _polynomial(ramp: _Ramp, part: np.ndarray) -> Surface:
@@ -368,7 +368,7 @@ def _nearest(ramp: _Ramp, surfaces: List[Surface]) -> np.ndarray:
     cost[:, ~ramp.mask] = 0
     alike = cost < cost.min(axis=0) + FIT**2
     smooth = np.stack([_blurred(plane) for plane in cost])
-    parts = np.where(alike, smooth, np.inf).argmin(axis=0)
+    parts: np.ndarray = np.where(alike, smooth, np.inf).argmin(axis=0)
     parts[~ramp.mask | (off.min(axis=0) > 2 * FIT)] = -1
     return parts
 
@@ -387,4 +387,5 @@ def _blurred(values: np.ndarray) -> np.ndarray:
     """Sums over squares round each pixel."""
     wide = 2 * _SMOOTH + 1
     total = np.pad(values, _SMOOTH + 1, mode="edge").cumsum(axis=0).cumsum(axis=1)
-    return (total[wide:, wide:] - total[:-wide, wide:] - total[wide:, :-wide] + total[:-wide, :-wide])[:-1, :-1]
+    sums: np.ndarray = total[wide:, wide:] - total[:-wide, wide:] - total[wide:, :-wide] + total[:-wide, :-wide]
+    return sums[:-1, :-1]

@@ -135,7 +135,7 @@ def _fill(mesh: Mesh, image: np.ndarray, labels: Labels, options: TraceOptions) 
 def _uneven(plane: np.ndarray) -> np.ndarray:
     """Quads whose four values are not all equal: bool, one row and one column less."""
     beside, below = plane[:, 1:] != plane[:, :-1], plane[1:] != plane[:-1]
-    return beside[1:] | beside[:-1] | below[:, 1:]
+    return np.asarray(beside[1:] | beside[:-1] | below[:, 1:])
 
 
 def _dilated(quads: np.ndarray) -> np.ndarray:

@@ -104,7 +104,7 @@ def _spreads(image: np.ndarray, index: np.ndarray, palette: np.ndarray) -> np.nd
     slope = (below - above).sum(axis=1) / 2
     good = (beside < _PURE) & (size > CONTRAST ** 2) & (np.abs(slope) < 1)
     good &= (np.abs(share[:, 0] - 1) < _FLAT) & (np.abs(share[:, -1]) < _FLAT)
-    return ((share * (1 - share)).sum(axis=1) / np.hypot(1, slope))[good]
+    return np.asarray(((share * (1 - share)).sum(axis=1) / np.hypot(1, slope))[good])
 
 
 def _lone_edges(index: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
@@ -126,7 +126,7 @@ def _kernel(width: float) -> np.ndarray:
     """Weights (7,) of a Gaussian of a standard deviation."""
     place = np.arange(-3, 4)
     kernel = np.exp(-np.square(place / width) / 2)
-    return (kernel / kernel.sum()).astype(np.float32)
+    return np.asarray((kernel / kernel.sum()).astype(np.float32))
 
 
 def _blurred(colours: np.ndarray, kernel: np.ndarray) -> np.ndarray:

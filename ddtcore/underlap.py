@@ -141,4 +141,4 @@ def _candidates(gates: _Gates, following: np.ndarray, door: np.ndarray, sight: _
         bounds.append(np.where(sight.reach > 0, np.clip(hit, 0, 1), unseen))
     share = np.linspace(0, 1, _CANDIDATES)
     depth = bounds[0][:, None] + (bounds[1] - bounds[0])[:, None] * share
-    return gates.low[door][:, None] + span[:, None] * depth
+    return np.asarray(gates.low[door][:, None] + span[:, None] * depth)

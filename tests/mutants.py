@@ -48,7 +48,7 @@ MUTANTS = {
         "order trace"),
     "alpha is ignored": Mutant(
         "position.py", "colours[..., :3] *= colours[..., 3:] / np.float32(255)", "pass", "position fit trace"),
-    "wrong diagonal": Mutant("quads.py", "slash = better > 0", "slash = better < 0", "quads triangulation"),
+    "wrong diagonal": Mutant("quads.py", "= better > 0", "= better < 0", "quads triangulation"),
     "a junction missed": Mutant("outline.py", "mixed.all(axis=1)", "mixed.any(axis=1)", "outline"),
     "curves beyond the tolerance": Mutant(
         "segments.py", "bad = (fit.error > tolerance[run])", "bad = (fit.error > 3 * tolerance[run])", "fit"),

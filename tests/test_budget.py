@@ -55,7 +55,7 @@ def test_drawings_keep_the_size_of_the_picture_and_say_what_has_happened():
         assert (drawing.width, drawing.height) == (163, 121)
         note, = drawing.notes
         assert named in note and "1/" in note and "\n" not in note
-        every = np.concatenate([loop.control.reshape(-1, 2) for shape in drawing.shapes for loop in shape.loops])
+        every = np.concatenate([loop.control[:, 0] for shape in drawing.shapes for loop in shape.loops])
         assert np.ptp(every[:, 0]) == pytest.approx(163, abs=1) and np.ptp(every[:, 1]) == pytest.approx(121, abs=1)
 
 

@@ -96,3 +96,12 @@ def test_the_drawing_of_a_reduced_picture_lies_on_the_picture():
     back = render(drawing, 1, page="white")[..., :3].astype(float)
     assert back.shape == (121, 199, 3)
     assert np.abs(shift(image[..., :3].astype(float), back)).max() < 0.05
+
+
+def test_handles_beyond_the_rim_are_left_alone():
+    """Where both ends of a segment lie within the picture, its handles need not."""
+    control = np.array([[(40, 0), (60, 0), (60, 40), (40, 40)], [(40, 40), (26, 40), (13, 0), (40, 0)]], float)
+    loop = Loop(control, np.full(2, 3, np.uint8))
+    drawing = Drawing(50, 40, shapes=(Shape("a", (0, 0, 0), 1.0, (loop,), 100.0),))
+    large = enlarge(drawing, 3, 150, 120)
+    np.testing.assert_array_equal(large.shapes[0].loops[0].control, 3 * control)
