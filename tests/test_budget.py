@@ -55,8 +55,8 @@ def test_drawings_keep_the_size_of_the_picture_and_say_what_has_happened():
         assert (drawing.width, drawing.height) == (163, 121)
         note, = drawing.notes
         assert named in note and "1/" in note and "\n" not in note
-        every = np.concatenate([loop.control.reshape(-1, 2) for shape in drawing.shapes for loop in shape.loops])
-        assert np.ptp(every[:, 0]) == pytest.approx(163, abs=1) and np.ptp(every[:, 1]) == pytest.approx(121, abs=1)
+        ends = np.concatenate([loop.control[:, 0] for shape in drawing.shapes for loop in shape.loops])
+        assert np.ptp(ends[:, 0]) == pytest.approx(163, abs=1) and np.ptp(ends[:, 1]) == pytest.approx(121, abs=1)
 
 
 def test_the_resolution_falls_until_the_time_is_enough():
