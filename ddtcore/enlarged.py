@@ -71,8 +71,7 @@ def enlarged_by(image: np.ndarray) -> Optional[str]:
         return None
     lost = {name: lost_by_halving(image, name) for name in FILTERS}
     # That others might overshoot black and white makes them fit where this one was used.
-    lost["linear"] /= 1.5
-    best = min(lost, key=lambda name: lost[name])
+    best = min(lost, key=lambda name: lost[name] / (1.5 if name == "linear" else 1))
     return best if lost[best] < LOST else None
 
 
