@@ -84,22 +84,20 @@ def enlarge(drawing: Drawing, factor: float, width: int, height: int) -> Drawing
     Drawing
     """
     size = np.array([width, height], float)
-
-    def grown(control: np.ndarray) -> np.ndarray:
-        # Handles may well reach beyond the picture where the curve does not.
-        control = control * factor
-        beyond = (control[:, [0, 3]] > size).any(axis=(1, 2))
-        control[beyond] = np.minimum(control[beyond], size)
-        return control
-
     shapes = tuple(
-        replace(shape, loops=tuple(Loop(grown(loop.control), loop.degree) for loop in shape.loops),
+        replace(shape, loops=tuple(Loop(_within(loop.control * factor, size), loop.degree) for loop in shape.loops),
                 area=shape.area * factor ** 2, gradient=scaled(shape.gradient, factor))
         for shape in drawing.shapes)
     triangles = drawing.triangles
     if triangles is not None:
         triangles = replace(triangles, points=np.minimum(triangles.points * factor, size))
     return replace(drawing, width=width, height=height, shapes=shapes, triangles=triangles)
+
+
+def _within(control: np.ndarray, size: np.ndarray) -> np.ndarray:
+    """Control points (n, 4, 2) with ends no farther than `size`; handles go with their ends, but may lie beyond."""
+    moved = np.maximum(control[:, [0, 3]] - size, 0)
+    return np.asarray(control - moved[:, [0, 0, 1, 1]])
 
 
 def scaled(gradient: Optional[Gradient], factor: float) -> Optional[Gradient]:

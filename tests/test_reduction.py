@@ -76,11 +76,18 @@ def test_everything_in_a_drawing_grows():
     grown = enlarge(Drawing(3, 2, shapes, notes=("so",)), 10, 28, 20)
     assert (grown.width, grown.height, grown.notes) == (28, 20, ("so",))
     loop = grown.shapes[0].loops[0]
-    assert loop.control.tolist() == np.minimum(control * 10, [28, 20]).tolist()
+    assert loop.control.tolist() == [[[0, 0], [10, 0], [18, 0], [28, 10]], [[28, 10], [18, 20], [10, 20], [0, 0]]]
     assert (loop.control[:, 3] == np.roll(loop.control[:, 0], -1, axis=0)).all()
     assert [shape.area for shape in grown.shapes] == [250, 100] and grown.shapes[1].gradient is None
     gradient = grown.shapes[0].gradient
     assert (gradient.start, gradient.end, gradient.across) == ((10, 10), (20, 10), (10, 30))
+
+
+def test_handles_beyond_the_picture_stay():
+    """A curve that lies within the picture keeps its form wherever its control points are."""
+    control = np.array([[[5, 1], [10, 1], [10, 9], [5, 9]], [[5, 9], [5, 6], [5, 3], [5, 1]]], float)
+    shape = Shape("a", (1, 2, 3), 1.0, (Loop(control, np.full(2, 3)),), 30.0)
+    assert (enlarge(Drawing(9, 10, (shape,)), 2, 18, 20).shapes[0].loops[0].control == 2 * control).all()
 
 
 def test_meshes_grow():
@@ -96,12 +103,3 @@ def test_the_drawing_of_a_reduced_picture_lies_on_the_picture():
     back = render(drawing, 1, page="white")[..., :3].astype(float)
     assert back.shape == (121, 199, 3)
     assert np.abs(shift(image[..., :3].astype(float), back)).max() < 0.05
-
-
-def test_handles_beyond_the_rim_are_left_alone():
-    """Where both ends of a segment lie within the picture, its handles need not."""
-    control = np.array([[(40, 0), (60, 0), (60, 40), (40, 40)], [(40, 40), (26, 40), (13, 0), (40, 0)]], float)
-    loop = Loop(control, np.full(2, 3, np.uint8))
-    drawing = Drawing(50, 40, shapes=(Shape("a", (0, 0, 0), 1.0, (loop,), 100.0),))
-    large = enlarge(drawing, 3, 150, 120)
-    np.testing.assert_array_equal(large.shapes[0].loops[0].control, 3 * control)
