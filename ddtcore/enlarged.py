@@ -23,6 +23,9 @@ LOST = 0.145
 LEAST = 128
 """Shortest side of a picture that is halved, px."""
 
+LARGEST = 5_000_000
+"""Larger pictures are taken as they are: to halve a million pixels takes about a second, px."""
+
 ROUNDED = 4
 """How far pixels may be from their colour after what rounding lost is enlarged by the inverse, levels."""
 
@@ -56,7 +59,7 @@ def original(image: np.ndarray) -> Tuple[np.ndarray, int]:
         How many pixels a pixel of it is wide: 1, 2 or 4.
     """
     factor = 1
-    while factor < _MOST and min(image.shape[:2]) >= LEAST:
+    while factor < _MOST and min(image.shape[:2]) >= LEAST and image.shape[0] * image.shape[1] <= LARGEST:
         name = enlarged_by(image)
         if name is None:
             break

@@ -22,7 +22,7 @@ _NARROW = 0.35
 _EVEN = 4.0
 """How far the colours in a block of 2 x 2 fully covered pixels differ at most, levels of a channel."""
 
-_ENOUGH = 1 << 18
+_ENOUGH = 1 << 15
 """Pixels that are as good as all of a region."""
 
 _ROWS = 256

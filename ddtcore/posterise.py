@@ -20,7 +20,9 @@ LEAST_AREA = 8.0
 MOST_REGIONS = 25_000
 """A posterised picture has fewer regions than this, however large it is."""
 
-_ROUGH = 0.55
+ROUGH = 0.55
+"""Share of rough steps from which a picture counts as noisy."""
+
 _LINES = 128
 _BINS = 256
 
@@ -28,10 +30,10 @@ _BINS = 256
 def is_noisy(canvas: Canvas) -> bool:
     """Whether most steps from pixel to pixel, in a sample of rows and columns, are neither zero nor even."""
     key = canvas.bare(canvas.keys)
-    return min(_rough_share(lines, canvas.opaque) for lines in (key, key.T)) > _ROUGH
+    return min(rough_share(lines, canvas.opaque) for lines in (key, key.T)) > ROUGH
 
 
-def _rough_share(lines: np.ndarray, opaque: bool) -> float:
+def rough_share(lines: np.ndarray, opaque: bool) -> float:
     """Share of the steps along some lines of packed pixels that are neither zero nor small and even."""
     lines = lines[np.linspace(0, len(lines) - 1, min(len(lines), _LINES)).astype(int)]
     if lines.shape[1] < 4:

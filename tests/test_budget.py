@@ -72,6 +72,16 @@ def test_the_resolution_falls_until_the_time_is_enough():
     assert len(seen) > 2
 
 
+def test_a_large_smooth_picture_is_foretold_to_take_long():
+    """Where everything slopes nothing is quick; noise is treated more roughly."""
+    row, col = np.mgrid[:1000, :1000]
+    smooth = np.stack([128 + 90 * np.sin(row / 40) * np.cos(col / 50), 128 + 60 * np.sin((row + col) / 60),
+                       128 + 60 * np.cos(row / 35 - col / 70), np.full(row.shape, 255)], axis=-1).astype(np.uint8)
+    options = TraceOptions()
+    assert labelling_seconds(smooth, options) > 3 * labelling_seconds(noise(1000, 1000), options)
+    assert labelling_seconds(smooth, options) > 20 * labelling_seconds(art(1000, 1000), options)
+
+
 def test_it_is_not_reduced_further_than_needed():
     image = noise(300, 300)
     options = TraceOptions(seconds=1.0)

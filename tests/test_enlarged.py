@@ -86,3 +86,10 @@ def test_their_drawing_has_the_size_of_the_picture(clean):
     corners = np.concatenate([loop.control for shape in drawing.shapes for loop in shape.loops])
     assert corners.max() == 383
     assert len(drawing.shapes) <= len(trace(clean, TraceOptions()).shapes) + 2
+
+
+def test_very_large_pictures_are_taken_as_they_are(clean, monkeypatch):
+    image = scaled(clean, 2, Image.LANCZOS)
+    assert original(image)[1] == 2
+    monkeypatch.setattr("ddtcore.enlarged.LARGEST", image.shape[0] * image.shape[1] - 1)
+    assert original(image)[0] is image
