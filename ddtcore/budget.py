@@ -27,7 +27,7 @@ from .reduction import reduce
 PIXEL = 0.2e-6
 """Seconds for a pixel, wherever it lies."""
 
-STEP = 3e-6
+STEP = 5e-6
 """Seconds of labelling for a step between pixels of different colours."""
 
 NOISY, AREAS = 0.5e-6, 1.5e-6

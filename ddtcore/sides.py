@@ -20,6 +20,7 @@ SLOTS = 4
 """How many colours near a pixel are considered."""
 
 _FAR = 50.0
+_FEWEST, _TRIED = 16, 1 << 25
 _ABSENT = 4.0
 _DOUBTFUL = 25.0
 _ISLAND = 2
@@ -141,6 +142,8 @@ def _beside_one(canvas: Canvas, sharp: Canvas, labels: np.ndarray, cells: np.nda
 
     Colours that are met within 18 pixels are preferred.  Returns what the mixes cost, too.
     """
+    # Of many colours for many pixels, only the first are tried.
+    colours = colours[:, :max(_FEWEST, _TRIED // cells.size)]
     here, alone = canvas.colours(cells), sample < 0
     one = np.where(alone, here, sharp.colours(sample))
     absent = ~met_around(canvas, labels, cells, colours.shape[1])

@@ -343,3 +343,10 @@ def test_time_grows_with_the_picture_not_faster():
             runs.append(process_time() - start)
         times.append(min(runs))
     assert times[1] < 25 * times[0]
+
+
+def test_few_colours_are_all_tried_however_many_pixels(monkeypatch):
+    image = draw(96, 96, CARTOON)
+    before = label_pixels(image, TraceOptions())
+    monkeypatch.setattr("ddtcore.sides._TRIED", 0)
+    np.testing.assert_array_equal(label_pixels(image, TraceOptions()).index, before.index)
