@@ -40,11 +40,11 @@ PAPER_ROWS = {"Donald Duck": (1740, 85577, 139, 56), "Pumba": (4470, 233179, 129
 ROOMS = {
     "the whole": "pipeline model options choice budget reduction",
     "from outside": "__init__ __main__ cli files progress report compare inkscape",
-    "picture in": "raster sprites ink",
-    "pixels to regions": "regions canvas palette noise mixes sides strokes margins ramps surfaces"
+    "picture in": "raster sprites ink enlarged",
+    "pixels to regions": "regions canvas palette noise calm mixes sides strokes margins ramps surfaces"
                          " detached overlays shades hairlines posterise threshold areas merging components",
     "mesh": "triangulation quads cost ribbon flips",
-    "outlines": "border outline position flatten staircase lattice",
+    "outlines": "border outline position flatten unblur staircase lattice",
     "curves": "fit runs corner segments arclength cubic polish newton coverage quadratic bezier",
     "paint": "paint gradient field stops bands recolour swatches perception",
     "drawing out": "stacking order loops doors rankmap underlap shortcut grouping svg pathdata",
