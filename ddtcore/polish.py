@@ -24,6 +24,9 @@ from .position import premultiplied
 MUCH = 30000.0
 """Length of all outlines, px, up to which every pixel is explained; four times as much, blocks of 2 by 2."""
 
+SPARSE = 0.04
+"""Outlines with less length for each pixel of the picture, px, keep far from one another: half of `MUCH` will do."""
+
 DOUBT = 0.5
 """A pixel that is off by more than this share of its contrast counts less and less."""
 
@@ -91,7 +94,8 @@ class Target(NamedTuple):
         steps = np.unique(np.concatenate([steps, np.zeros((1, 4))]), axis=0)
         _, size, directions = np.linalg.svd(steps, full_matrices=False)
         basis = directions[:max(int((size > 1e-3 * size[:1]).sum()), 1)].T.astype(np.float64)
-        block = max(int(np.ceil(np.sqrt(length / MUCH))), 1)
+        much = MUCH / 2 if length < SPARSE * image[..., 0].size else MUCH
+        block = max(int(np.ceil(np.sqrt(length / much))), 1)
         blocks = (image.shape[0] // block) * (image.shape[1] // block)
         return cls(image, basis, block, np.full((blocks, basis.shape[1]), np.nan, np.float32))
 

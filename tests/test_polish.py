@@ -196,3 +196,9 @@ def test_a_step_that_makes_things_worse_is_taken_back():
     rough = disturbed(circle(CENTRE, 12), 2)
     nodes = [polished(rough, image, rounds).nodes for rounds in range(9)]
     assert any(np.array_equal(one, other) for one, other in zip(nodes, nodes[1:]))
+
+
+@pytest.mark.parametrize("length, size, block", [(14000, 1000, 1), (20000, 1000, 2), (20000, 500, 1), (35000, 500, 2)])
+def test_many_pixels_are_explained_in_blocks_sooner_where_outlines_are_sparse(length, size, block):
+    image = np.zeros((size, size, 4), np.uint8)
+    assert Target.of(image, np.ones((1, 4)), length).block == block
