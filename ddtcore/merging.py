@@ -157,8 +157,8 @@ def _borders(region: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """Regions on both sides of each pixel edge between two of them, seen from either side, int64."""
     pairs = []
     for a, b in ((region[:, 1:], region[:, :-1]), (region[1:], region[:-1])):
-        differ = a != b
-        pairs += [(a[differ], b[differ]), (b[differ], a[differ])]
+        at = np.divmod(np.flatnonzero(a != b), a.shape[1])
+        pairs += [(a[at], b[at]), (b[at], a[at])]
     one, other = (np.concatenate(side).astype(np.int64) for side in zip(*pairs))
     return one, other
 
@@ -200,7 +200,7 @@ def _renumbered(labels: Labels, into: np.ndarray) -> Labels:
         return labels
     ramp = None if labels.ramp is None else labels.ramp[used]
     gradients = labels.gradients and tuple(labels.gradients[k] for k in np.flatnonzero(used).tolist())
-    return replace(labels, index=number[labels.index], palette=labels.palette[used], ramp=ramp,
+    return replace(labels, index=np.take(number, labels.index), palette=labels.palette[used], ramp=ramp,
                    gradients=gradients)
 
 

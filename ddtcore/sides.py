@@ -13,7 +13,6 @@ from typing import Tuple
 import numpy as np
 
 from .canvas import Canvas
-from .components import components
 from .mixes import segment_distance
 
 SLOTS = 4
@@ -23,7 +22,6 @@ _FAR = 50.0
 _FEWEST, _TRIED = 16, 1 << 25
 _ABSENT = 4.0
 _DOUBTFUL = 25.0
-_ISLAND = 2
 _EXPLAINED = 12.0
 _PAIRS = [(0, 1), (0, 2), (1, 2), (0, 3), (1, 3), (2, 3)]
 
@@ -188,21 +186,18 @@ def join_islands(canvas: Canvas, sharp: Canvas, labels: np.ndarray, cells: np.nd
     int
         How many such pixels nothing near explains.
     """
-    number = np.full(labels.size, -1, np.int32)
-    number[cells] = np.arange(cells.size, dtype=np.int32)
-    tied = np.zeros(cells.size, bool)
-    edges = []
+    here, ties, beside = labels[cells], np.zeros(cells.size, np.int8), cells.copy()
     for step in window(canvas.stride, 1, 1):
-        same = np.flatnonzero(labels[cells + step] == labels[cells])
-        other = number[cells[same] + step]
-        tied[same[other < 0]] = True
-        edges.append((same[other >= 0], other[other >= 0]))
-    part = components(cells.size, *(np.concatenate(ends) for ends in zip(*edges)))
-    held = np.bincount(part, tied) > 0
-    alone = np.flatnonzero(((np.bincount(part) <= _ISLAND) & ~held)[part])
+        same = labels[cells + step] == here
+        ties += same
+        beside[same] += step
+    # Of two, each has the other one beside it and nothing else; one alone is beside itself.
+    few = np.flatnonzero(ties <= 1)
+    place = np.minimum(np.searchsorted(cells, beside[few]), cells.size - 1)
+    alone = few[(cells[place] == beside[few]) & (ties[place] == ties[few])]
     before = labels[cells[alone]]
     labels[cells[alone]] = -1
     pair, label, distance = _nearer_side(canvas, sharp, labels, cells[alone])
     explained = (pair[1] >= 0) & (distance < _EXPLAINED)
     labels[cells[alone]] = np.where(explained, label, before)
-    return alone.size - int(explained.sum())
+    return int(alone.size - np.count_nonzero(explained))
