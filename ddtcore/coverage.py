@@ -16,9 +16,8 @@ import numpy as np
 
 from . import bezier
 
-SAGITTA = 0.03
-"""How far chords may stray from a curve, px.  Renderers draw chords too, always on its inner side (cairo's may
-stray by 0.1 px): with exact coverage, the circles that they draw are found too small by 0.01 to 0.04 px."""
+SAGITTA = 0.005
+"""How far chords may stray from a curve, px."""
 
 
 class Pieces(NamedTuple):

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from ddtcore import TraceOptions, trace
+from ddtcore.bezier import evaluate
 from ddtcore.budget import drawing_seconds, label_within_budget, labelling_seconds
 from ddtcore.model import Labels
 
@@ -55,7 +56,10 @@ def test_drawings_keep_the_size_of_the_picture_and_say_what_has_happened():
         assert (drawing.width, drawing.height) == (163, 121)
         note, = drawing.notes
         assert named in note and "1/" in note and "\n" not in note
-        every = np.concatenate([loop.control[:, 0] for shape in drawing.shapes for loop in shape.loops])
+        # The curves as they are drawn: handles may lie outside.
+        control = np.concatenate([loop.control for shape in drawing.shapes for loop in shape.loops])
+        segment, t = (grid.ravel() for grid in np.meshgrid(np.arange(len(control)), np.linspace(0, 1, 17)))
+        every = evaluate(control, segment, t)
         assert np.ptp(every[:, 0]) == pytest.approx(163, abs=1) and np.ptp(every[:, 1]) == pytest.approx(121, abs=1)
 
 

@@ -8,7 +8,7 @@ import pytest
 from pictures import coverage, disc, rectangle, star, turned
 
 from ddtcore.bezier import evaluate, from_line
-from ddtcore.coverage import SAGITTA, colours_along, cut_into_pixels, touched_pixels
+from ddtcore.coverage import colours_along, cut_into_pixels, touched_pixels
 
 SIZE = 24
 
@@ -97,8 +97,8 @@ def test_curves_cover_what_they_enclose():
     reach = 4 / 3 * (np.sqrt(2) - 1)
     quarter = np.array([(1, 0), (1, reach), (reach, 1), (0, 1)])
     control = np.stack([turned(8.3 * quarter, 90 * k, (12.2, 11.9)) for k in range(4)])
-    # Chords cut a little off, and such a cubic bulges out by 0.002 px.
-    assert_agrees(*rendered(control, np.zeros(4, bool)), coverage(disc((12.2, 11.9), 8.3), SIZE, SIZE), SAGITTA)
+    # Chords may cut 0.01 px off, and such a cubic bulges out by 0.002 px.
+    assert_agrees(*rendered(control, np.zeros(4, bool)), coverage(disc((12.2, 11.9), 8.3), SIZE, SIZE), 0.015)
 
 
 @pytest.mark.parametrize("handles", [(0.05, 0.05), (0.9, 0.02), (1.2, 1.2), (0.0, 0.5)])

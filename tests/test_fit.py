@@ -28,7 +28,6 @@ from pictures import (
 from ddtcore import bezier
 from ddtcore.arclength import Arclength
 from ddtcore.corner import find_corners
-from ddtcore.coverage import SAGITTA
 from ddtcore.fit import fit_arcs
 from ddtcore.model import CUBIC, LINE
 from ddtcore.options import TraceOptions
@@ -198,8 +197,7 @@ def test_boundaries_are_fitted_once_for_both_sides():
     ends = np.concatenate([part(curves, arc)[0][[0, -1], [0, 3]] for arc in outlines.inner()])
     assert len(np.unique(ends, axis=0)) == 2
     truth = np.array([(10.3, 23.8), (38.3, 23.8)])
-    # This picture's edges aren't chords, as a renderer's are.
-    assert apart(ends, truth).min(axis=1).max() < 0.1 + 2 / 3 * SAGITTA
+    assert apart(ends, truth).min(axis=1).max() < 0.1
 
 
 def test_curves_of_inverted_colours_are_the_same():

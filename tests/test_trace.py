@@ -3,14 +3,12 @@
 
 from __future__ import annotations
 
-import io
 import re
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 import numpy as np
 import pytest
-import resvg_py
 from alignment import shift
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -18,10 +16,8 @@ from meshes import clip_art, grey
 from painted import render
 from pathparser import parse
 from pictures import BLACK, BLUE, RED, WHITE, any_picture, disc, picture, rectangle, star
-from PIL import Image
 
 from ddtcore import TraceOptions, trace
-from ddtcore.bezier import evaluate
 from ddtcore.model import CUBIC, LINE, QUADRATIC
 from ddtcore.pipeline import STAGES
 
@@ -99,27 +95,6 @@ TURNS = {
     "transposed": lambda a: np.swapaxes(a, 0, 1),
     "inverted": lambda a: np.concatenate([255 - a[..., :3], a[..., 3:]], axis=2),
 }
-
-
-def radii(radius, centre):
-    """Distances from the centre of points along the trace of a circle that resvg drew."""
-    size = 2 * radius + 12
-    svg = (f'<svg xmlns="http://www.w3.org/2000/svg" width="{size}" height="{size}">'
-           f'<circle cx="{centre[0]}" cy="{centre[1]}" r="{radius}" fill="#a02020"/></svg>')
-    image = np.asarray(Image.open(io.BytesIO(bytes(resvg_py.svg_to_bytes(svg_string=svg, background="white")))))
-    loop, = trace(np.ascontiguousarray(image)).shapes[-1].loops
-    count = len(loop.control)
-    points = evaluate(loop.control, np.repeat(np.arange(count), 20), np.tile(np.linspace(0, 1, 20), count))
-    return np.hypot(*(points - centre).T)
-
-
-@pytest.mark.parametrize("radius", (30, 200))
-def test_circles_of_a_renderer_keep_their_size(radius):
-    """Renderers draw chords; what they draw is traced as the circle that was meant."""
-    offsets = np.array([(0.1, 0.6), (0.4, 0.2), (0.7, 0.9), (0.9, 0.4)])
-    error = [radii(radius, radius + 6 + offset) - radius for offset in offsets]
-    assert abs(np.mean([some.mean() for some in error])) < 0.008
-    assert max(some.std() for some in error) < 0.03
 
 
 @pytest.fixture(scope="module")
