@@ -14,7 +14,7 @@ import time
 from functools import lru_cache
 
 MISSING = "no Chromium was found; on Debian, as root: apt-get install chromium-headless-shell"
-SECONDS = 300
+SECONDS = 60
 """Longest time to wait for an answer, far more than one takes: the machine may be busy."""
 _NAMES = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
 

@@ -15,7 +15,7 @@ from xml.sax.saxutils import quoteattr
 ROOT = Path(__file__).resolve().parent.parent
 EXTENSION_ID = "io.github.ddttrace.ddt_trace"
 MISSING = "Inkscape or xvfb-run was not found; as root: apt-get install inkscape xvfb xauth"
-SECONDS = 300
+SECONDS = 120
 """Longest time that Inkscape may take, far more than it does: the machine may be busy."""
 
 

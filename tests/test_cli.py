@@ -284,7 +284,7 @@ class TestUnix:
         for _ in range(jobs):
             assert child.stdout.readline() == b"ready\n"
         os.killpg(child.pid, signal.SIGINT)
-        _, error = child.communicate(timeout=300)
+        _, error = child.communicate(timeout=30)
         assert (child.returncode, error) == (130, b"") and new_files(folder) == []
 
     def on_a_terminal(self, *arguments):

@@ -43,7 +43,7 @@ def choices(param):
 
 def call(*arguments, **environment):
     """Run the extension as a program of its own."""
-    return subprocess.run([sys.executable, str(ROOT / "ddt_trace.py"), *map(str, arguments)], timeout=300,
+    return subprocess.run([sys.executable, str(ROOT / "ddt_trace.py"), *map(str, arguments)], timeout=60,
                           capture_output=True, env={**os.environ, **environment})
 
 
@@ -182,7 +182,7 @@ def test_a_wrong_colour_is_said_in_one_sentence(tmp_path):
 
 def test_from_standard_input_to_standard_output(tmp_path):
     path = document(tmp_path, PICTURE)
-    done = subprocess.run([sys.executable, str(ROOT / "ddt_trace.py")], input=path.read_bytes(), timeout=300,
+    done = subprocess.run([sys.executable, str(ROOT / "ddt_trace.py")], input=path.read_bytes(), timeout=60,
                           stdout=subprocess.PIPE, check=True)
     assert done.stdout == call(path).stdout
 
@@ -203,11 +203,11 @@ def test_a_document_is_written_whole_or_not_at_all(tmp_path):
 def test_a_full_disk_and_a_closed_pipe(tmp_path):
     program = [sys.executable, str(ROOT / "ddt_trace.py"), str(document(tmp_path, PICTURE))]
     with open("/dev/full", "wb") as full:
-        done = subprocess.run(program, stdout=full, stderr=subprocess.PIPE, timeout=300)
+        done = subprocess.run(program, stdout=full, stderr=subprocess.PIPE, timeout=60)
     assert done.returncode == 251 and done.stderr.count(b"\n") <= 1 and b"No space left" in done.stderr
     reading, writing = os.pipe()
     os.close(reading)
-    done = subprocess.run(program, stdout=writing, stderr=subprocess.PIPE, timeout=300)
+    done = subprocess.run(program, stdout=writing, stderr=subprocess.PIPE, timeout=60)
     os.close(writing)
     assert (done.returncode, done.stderr) == (0, b"")
 

@@ -70,7 +70,7 @@ def run(arguments, folder, **environment):
     """Run a command as a person would, and return what it printed."""
     path = os.pathsep.join([str(folder / "bin"), os.environ["PATH"]])
     done = subprocess.run(arguments, cwd=folder, env={**os.environ, "PATH": path, **environment}, text=True,
-                          capture_output=True, timeout=600)
+                          capture_output=True, timeout=120)
     assert done.returncode == 0, done.stderr
     return done.stdout
 

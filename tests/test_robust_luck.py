@@ -50,7 +50,7 @@ def limited(bytes_per_file):
 def run(*arguments, cwd, program=("-m", "ddtcore"), **settings):
     """Run a program; the file that Python may write beside a module is none of its business."""
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONDONTWRITEBYTECODE": "1", "DDT_TRACE_LOG": ""}
-    return subprocess.run([sys.executable, *program, *map(str, arguments)], cwd=cwd, env=environment, timeout=300,
+    return subprocess.run([sys.executable, *program, *map(str, arguments)], cwd=cwd, env=environment, timeout=120,
                           **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **settings})
 
 
