@@ -183,6 +183,22 @@ def linked_areas(right: np.ndarray, down: np.ndarray) -> Areas:
     return Areas(heads, tails, number, np.bincount(number, tails - heads).astype(np.int64))
 
 
+def block_areas(block: np.ndarray) -> Areas:
+    """Number the connected areas that 2 x 2 blocks cover; blocks are connected where they share a pixel.
+
+    Parameters
+    ----------
+    block : ndarray of shape (H - 1, W - 1) and dtype bool
+        Whether pixels (r, c) to (r + 1, c + 1) are a block.
+    """
+    right = np.zeros((block.shape[0] + 1, block.shape[1]), bool)
+    down = np.zeros((block.shape[0], block.shape[1] + 1), bool)
+    for links in ((right[1:], right[:-1]), (down[:, 1:], down[:, :-1])):
+        for side in links:
+            side |= block
+    return linked_areas(right, down)
+
+
 def label_components(labels: np.ndarray, connectivity: int = 4) -> np.ndarray:
     """Number the connected areas of equal labels.
 

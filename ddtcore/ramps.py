@@ -15,7 +15,7 @@ from typing import Tuple
 import numpy as np
 
 from .canvas import Canvas, planes
-from .components import components, label_components, linked_areas
+from .components import block_areas, components, label_components
 from .gradient import BYTES, PRICE
 from .model import Labels
 from .sides import window
@@ -76,12 +76,7 @@ def find_ramps(canvas: Canvas) -> Tuple[np.ndarray, int]:
     if corner.size >= AREA:
         row, col = np.divmod(corner, block.shape[1])
         sloped = row * key.shape[1] + col
-        right[...], down[...] = False, False
-        right[1:] |= block
-        right[:-1] |= block
-        down[:, 1:] |= block
-        down[:, :-1] |= block
-        areas = linked_areas(right, down)
+        areas = block_areas(block)
         chosen = _many_levels(areas.at(sloped), areas.size, key[row, col])
         areas.put(ramps.ravel(), _numbered(chosen, areas.size.size, 0))
         count = chosen.size

@@ -14,7 +14,7 @@ from typing import Iterator, Tuple
 import numpy as np
 
 from .canvas import Canvas
-from .components import label_components, linked_areas
+from .components import block_areas, label_components
 from .mixes import length
 from .sides import window
 
@@ -97,12 +97,7 @@ def _cores(canvas: Canvas, cells: np.ndarray, off: np.ndarray, area: np.ndarray)
     right, down = (_even(one, other, off, area)
                    for one, other in ((place[:, :-1], place[:, 1:]), (place[:-1], place[1:])))
     block = right[1:] & right[:-1] & down[:, 1:] & down[:, :-1]
-    right[...], down[...] = False, False
-    right[1:] |= block
-    right[:-1] |= block
-    down[:, 1:] |= block
-    down[:, :-1] |= block
-    cores = linked_areas(right, down)
+    cores = block_areas(block)
     return cores.at(row * canvas.shape[1] + col), cores.size
 
 

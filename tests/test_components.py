@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ddtcore.components import components, label_components, link_components, linked_areas
+from ddtcore.components import block_areas, components, label_components, link_components, linked_areas
 
 
 def search(n, a, b):
@@ -123,3 +123,14 @@ def test_linked_areas_are_the_components_with_links(seed):
     values = np.full(every.size, 7)
     found.put(values, given)
     assert (values == np.where((areas < 0) | (areas % 2 == 1), 7, areas + 10).ravel()).all()
+
+
+def test_blocks_are_areas_where_they_share_pixels():
+    block = np.zeros((5, 7), bool)
+    block[0, 0], block[1, 1], block[3:, 5] = True, True, True
+    found = block_areas(block)
+    areas = found.at(np.arange(48)).reshape(6, 8)
+    expected = np.full((6, 8), -1)
+    expected[:2, :2] = expected[1:3, 1:3] = 0
+    expected[3:, 5:7] = 1
+    assert np.array_equal(areas, expected) and found.size.tolist() == [7, 6]
