@@ -84,7 +84,8 @@ def merge_twins(labels: Labels, colours: np.ndarray) -> Labels:
     near &= np.bincount(one * count + other, minlength=count * count).reshape(count, count) >= MEETING
     into = np.arange(count, dtype=labels.index.dtype)
     free = np.ones(count, bool)
-    for k in np.argsort(-_sizes(labels), kind="stable"):
+    label, length = _label_runs(labels)
+    for k in np.argsort(-np.bincount(label, length, count), kind="stable"):
         if free[k]:
             joined = near[k] & free
             into[joined] = k
@@ -193,19 +194,20 @@ def drop_unused(labels: Labels) -> Labels:
 
 def _renumbered(labels: Labels, into: np.ndarray) -> Labels:
     """Labels (K,) replaced by others of them, and those that no pixel has removed."""
+    label, length = _label_runs(labels)
     used = np.zeros(len(labels.palette), bool)
-    used[into[_sizes(labels) > 0]] = True
+    used[into[label]] = True
     number = (np.cumsum(used) - 1).astype(np.int32)[into]
     if (number == np.arange(len(number))).all():
         return labels
+    index = np.repeat(number[label], length).reshape(labels.index.shape)
     ramp = None if labels.ramp is None else labels.ramp[used]
     gradients = labels.gradients and tuple(labels.gradients[k] for k in np.flatnonzero(used).tolist())
-    return replace(labels, index=np.take(number, labels.index), palette=labels.palette[used], ramp=ramp,
-                   gradients=gradients)
+    return replace(labels, index=index, palette=labels.palette[used], ramp=ramp, gradients=gradients)
 
 
-def _sizes(labels: Labels) -> np.ndarray:
-    """Number of pixels of each label; runs of one label are counted at once."""
+def _label_runs(labels: Labels) -> Tuple[np.ndarray, np.ndarray]:
+    """The label and the length of each run of pixels, row after row."""
     flat = labels.index.ravel()
     heads = np.flatnonzero(np.append(True, flat[1:] != flat[:-1])[:flat.size])
-    return np.bincount(flat[heads], np.diff(np.append(heads, flat.size)), len(labels.palette))
+    return flat[heads], np.diff(np.append(heads, flat.size))

@@ -27,6 +27,13 @@ MUCH = 30000.0
 SPARSE = 0.04
 """Outlines with less length for each pixel of the picture, px, keep far from one another: half of `MUCH` will do."""
 
+DAMPING = 0.01
+"""Of moves and handles: what keeps those in place that no pixel tells anything of."""
+
+SETTLED, GAIN = 0.01, 0.05
+"""Rounds end when the last one brought the outlines closer to their pixels by less than this, px, and took
+less than this share of what was left to explain."""
+
 DOUBT = 0.5
 """A pixel that is off by more than this share of its contrast counts less and less."""
 
@@ -133,12 +140,15 @@ def polish(wire: Wire, target: Target, rounds: int) -> Wire:
     step = np.einsum("sk,kc->sc", wire.step, target.basis)
     wire = _scaled(wire, 1 / target.block)
     best, least = wire, np.inf
-    for _ in range(rounds):
-        problem, cost = _linearise(wire, step, target)
-        if cost < least:
-            best, least = wire, cost
-        wire = _moved(wire, solve(problem))
-    return _scaled(wire if _misfit(wire, step, target).cost < least else best, target.block)
+    for left in range(rounds, -1, -1):
+        misfit = _misfit(wire, step, target)
+        gained = least - misfit.cost > min(SETTLED ** 2 * len(misfit.weight), GAIN * misfit.cost)
+        if misfit.cost < least:
+            best, least = wire, misfit.cost
+        if not (left and gained):
+            break
+        wire = _moved(wire, solve(_linearise(wire, step, misfit)))
+    return _scaled(best, target.block)
 
 
 def _scaled(wire: Wire, scale: float) -> Wire:
@@ -172,14 +182,14 @@ def _misfit(wire: Wire, step: np.ndarray, target: Target) -> _Misfit:
     return _Misfit(pieces, number, residual * weight[:, None], weight, cost)
 
 
-def _linearise(wire: Wire, step: np.ndarray, target: Target) -> Tuple[Problem, float]:
+def _linearise(wire: Wire, step: np.ndarray, misfit: _Misfit) -> Problem:
     """How each parameter would change the pixels, and how far off they are."""
-    pieces, number, residual, weight, cost = _misfit(wire, step, target)
+    pieces, number, residual, weight, _ = misfit
     index, damping = _parameters(wire)
     begins = np.flatnonzero(np.r_[True, (np.diff(pieces.segment) != 0) | (np.diff(pieces.pixel) != 0)])
     segment, pixel = pieces.segment[begins], number[begins]
     slope = _slopes(wire, pieces, begins)
-    return Problem(pixel, segment, step[segment] * weight[pixel, None], slope, index, residual, damping), cost
+    return Problem(pixel, segment, step[segment] * weight[pixel, None], slope, index, residual, damping)
 
 
 def _frames(wire: Wire) -> np.ndarray:
@@ -214,11 +224,11 @@ def _parameters(wire: Wire) -> Tuple[np.ndarray, np.ndarray]:
     second = np.where(smooth, angle[wire.ends], own[..., 1])
     index = np.stack([place[wire.ends[:, 0], 0], place[wire.ends[:, 0], 1], own[:, 0, 0], second[:, 0],
                       place[wire.ends[:, 1], 0], place[wire.ends[:, 1], 1], own[:, 1, 0], second[:, 1]], axis=1)
-    damping = np.full(1 + 3 * n + 4 * s, 0.05)
+    damping = np.full(1 + 3 * n + 4 * s, DAMPING)
     damping[0] = 1e12
     length = np.einsum("sed,sed->se", wire.handles, wire.handles)
-    damping[1 + 2 * n:1 + 3 * n] = 1e-3
-    np.add.at(damping, angle[wire.ends], 0.05 * length)
+    damping[1 + 2 * n:1 + 3 * n] = DAMPING / 50
+    np.add.at(damping, angle[wire.ends], DAMPING * length)
     return index, damping
 
 

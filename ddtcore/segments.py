@@ -11,6 +11,9 @@ import numpy as np
 from .cubic import Ends, Fit, Track, fit_candidates
 from .runs import Runs, end_lines
 
+HALVED = 4.0
+"""A piece that misses its tolerance by less than this factor is parted in its middle, others where they miss most."""
+
 
 class Segments(NamedTuple):
     """The segments of all runs, in order.
@@ -90,7 +93,9 @@ def _split(runs: Runs, track: Track, whole: Tuple[np.ndarray, np.ndarray, np.nda
         done.append(_take(Segments(run, first, last, ends, fit), ~bad))
         run, first, last, ends, fit = _take(Segments(run, first, last, ends, fit), bad)
         margin = np.minimum(3, (last - first - 1) // 2)
-        at = np.clip(fit.worst, first + margin, last - 1 - margin)
+        # The error of a smooth piece that nearly fits swings: the middle parts it evenly, a crest of it does not.
+        near = fit.error < HALVED * tolerance[run]
+        at = np.clip(np.where(near, (first + last) // 2, fit.worst), first + margin, last - 1 - margin)
         place, tangent = _node(runs, at, runs.low[run], runs.high[run])
         before, after = _cut(ends, place, tangent)
         run = np.concatenate([run, run])

@@ -153,6 +153,18 @@ def test_small_circles_too(radius, centre):
     assert abs(error.mean()) < 0.02
 
 
+@pytest.mark.parametrize("radius", [19.2, 22, 25])
+@pytest.mark.parametrize("centre", [(30.3, 31.2), (31.2, 29.7), (29.5, 30.5)])
+def test_a_circle_is_parted_evenly(radius, centre):
+    """However it lies on the grid: parts of different length would differ in how well they fit."""
+    outlines, curves = fitted(picture(60, 62, [disc(centre, radius)]))
+    control = part(curves, outlines.inner()[0])[0]
+    start, end = (np.arctan2(*(control[:, k] - centre).T) for k in (0, 3))
+    turn = np.degrees(np.abs(np.angle(np.exp(1j * (end - start)))))
+    assert turn.max() < 1.4 * turn.min()
+    assert rms(apart(along(control), np.array([centre])).ravel() - radius) < 0.006
+
+
 @pytest.mark.parametrize("degrees", range(5, 45, 5))
 def test_squares_are_four_lines(degrees):
     polygon = rectangle(CENTRE, 20, 20, degrees)

@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 from pictures import away, coverage, disc, rectangle, star
 
+import ddtcore.polish
 from ddtcore import bezier
+from ddtcore.newton import solve
 from ddtcore.polish import Target, Wire, polish
 
 CENTRE = np.array([20.3, 19.6])
@@ -117,6 +119,17 @@ def test_what_is_right_already_stays():
     truth = rectangle(CENTRE, 21, 17, 10)
     fine = polished(polygon(truth), pixels(coverage(truth, 40, 40)), 3)
     assert np.abs(fine.nodes - truth).max() < 0.005
+
+
+@pytest.mark.parametrize("rounds", [2, 5, 50])
+def test_rounds_end_when_nothing_is_gained(rounds, monkeypatch):
+    solved = []
+    monkeypatch.setattr(ddtcore.polish, "solve", lambda problem: solved.append(1) or solve(problem))
+    truth = rectangle(CENTRE, 21, 17, 10)
+    polished(polygon(truth), pixels(coverage(truth, 40, 40)), rounds)
+    right = len(solved)
+    polished(disturbed(polygon(truth), 1, 0.5), pixels(coverage(truth, 40, 40)), rounds)
+    assert right <= 2 <= len(solved) - right <= min(rounds, 8)
 
 
 def test_no_rounds_change_nothing():
