@@ -12,8 +12,9 @@ from typing import NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from .field import Field, Samples, first_field, refined, slopes, squares, total_error, unexplained, weighted_quantile
+from .field import Field, Samples, refined, squares, total_error, unexplained, weighted_quantile
 from .model import Gradient
+from .parallels import first_field, parallels, slopes
 from .stops import BINS, choose_stops, profile
 
 PRICE = 16.0
@@ -69,8 +70,8 @@ def fit_gradient(samples: Samples, reach: np.ndarray, straight: bool = False) ->
         return None
     unit = _Unit(middle, size)
     cells, coarse = (_averaged(samples, most) for most in (_CELLS, _COARSE))
-    known = slopes(samples, max(_SQUARE, np.sqrt(len(samples.points)) / 8))
-    known = known._replace(points=unit.local(known.points))
+    slope = slopes(samples, max(_SQUARE, np.sqrt(len(samples.points)) / 8))
+    known = parallels(slope._replace(points=unit.local(slope.points)))
     local, coarse = (some._replace(points=unit.local(some.points)) for some in (cells, coarse))
     region = _Region(cells, local, coarse, unit.local(reach), unit)
     best, least = None, _error(cells, np.average(cells.colour, axis=0, weights=cells.count))
@@ -111,15 +112,16 @@ class _Region(NamedTuple):
 def _fitted(field: Field, region: _Region, least: float) -> Optional[Gradient]:
     """The best gradient like a given field; None if even free colours along it cost more than `least`."""
     samples = region.local
-    field, _ = refined(field, region.coarse)
+    field = refined(field, region.coarse)
     off = unexplained(field, samples)
-    if total_error(off, samples.count) + PRICE * BYTES >= least:
+    bytes_ = BYTES + (ELLIPSE_BYTES if len(field.values) == 4 else 0)
+    if total_error(off, samples.count) + PRICE * bytes_ >= least:
         return None
     square = (off ** 2).sum(axis=1)
     trust = 1 / (1 + square / (9 * weighted_quantile(square, samples.count, 0.7) + 9)) ** 2
     if np.average(trust < 0.5, weights=samples.count) > _STRAY:
         samples = samples._replace(count=samples.count * trust)
-        field, _ = refined(field, samples)
+        field = refined(field, samples)
     return _with_stops(field, region, samples)
 
 
@@ -139,7 +141,7 @@ def _averaged(samples: Samples, most: int) -> Samples:
     side = np.ceil(np.sqrt(samples.count.sum() / most))
     if side <= 1:
         return samples
-    number, cells = squares(samples.points, side)
+    number, cells, _ = squares(samples.points, side, most)
     count = np.bincount(number, samples.count, cells)
 
     def mean(values: np.ndarray) -> np.ndarray:
