@@ -16,7 +16,6 @@ import numpy as np
 
 from .field import STRIP, Field, Samples, squares, total_error, unexplained, weighted_quantile
 
-
 _FILLED, _MANY = 4, 64
 """Fewest samples in a square from which slopes are measured, on average, unless there are few squares."""
 
