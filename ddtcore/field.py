@@ -31,6 +31,9 @@ _STEPS = 8
 _GAINED = 0.005
 """Share of the error that a step must promise to lower it by."""
 
+_SPAN = 1 << 17
+"""Up to so many codes are counted in a table of all, for that is quicker than to sort them."""
+
 _ENDS = np.repeat(np.eye(_KNOTS), 2, axis=0)[1:-1]
 """Which knot lies at each end of each interval between two."""
 
@@ -111,11 +114,23 @@ def squares(points: np.ndarray, side: float, most: float = np.inf) -> Tuple[np.n
     offset = points - points.min(axis=0)
     while True:
         column, row = np.floor(offset / side).astype(np.int64).T
-        values, number = np.unique(row * (column.max() + 1) + column, return_inverse=True)
-        if len(values) <= most:
-            return number, len(values), side
+        number, count = _ranks(row * (column.max() + 1) + column)
+        if count <= most:
+            return number, count, side
         # One and a half times as many are too many by chance.
-        side *= float(np.sqrt(max(len(values) / most, 1.5)))
+        side *= float(np.sqrt(max(count / most, 1.5)))
+
+
+def _ranks(codes: np.ndarray) -> Tuple[np.ndarray, int]:
+    """Numbers from 0 on for the different codes (n,), in their order, and how many there are."""
+    span = int(codes.max()) + 1
+    if span > _SPAN:
+        values, number = np.unique(codes, return_inverse=True)
+        return number, len(values)
+    used = np.zeros(span, bool)
+    used[codes] = True
+    rank = np.cumsum(used)
+    return rank[codes] - 1, int(rank[-1])
 
 
 def weighted_quantile(values: np.ndarray, weight: np.ndarray, share: float) -> float:

@@ -16,6 +16,7 @@ import numpy as np
 from .canvas import premultiply
 from .model import Labels
 from .paint import local_colours
+from .sides import window
 
 _REACH = 2
 """How far from an outline pixels may be mixed, px."""
@@ -93,17 +94,35 @@ def remix(image: np.ndarray, labels: Labels, index: np.ndarray, origin: np.ndarr
 
 def _pairs(index: np.ndarray, soft: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """Pixels, and other labels near each; one of the two labels is soft."""
-    height, width = index.shape
-    number = np.arange(index.size).reshape(index.shape)
+    framed = np.pad(index, _REACH, mode="edge")
+    row, col = np.divmod(np.flatnonzero(_near_borders(framed)), index.shape[1])
+    cells = (row + _REACH) * framed.shape[1] + col + _REACH
+    number = row * index.shape[1] + col
+    framed = framed.ravel()
+    own = framed[cells]
     found = []
-    for down in range(_REACH + 1):
-        for across in range(-_REACH if down else 1, _REACH + 1):
-            here = slice(0, max(height - down, 0)), slice(max(-across, 0), width - max(across, 0))
-            there = slice(down, height), slice(max(across, 0), width - max(-across, 0))
-            mixed = (index[here] != index[there]) & (soft[index[here]] | soft[index[there]])
-            for own, other in ((here, there), (there, here)):
-                found.append(number[own][mixed] * len(soft) + index[other][mixed])
+    for step in window(index.shape[1] + 2 * _REACH, 1, _REACH):
+        other = framed[cells + step]
+        mixed = np.flatnonzero((own != other) & (soft[own] | soft[other]))
+        found.append(number[mixed] * len(soft) + other[mixed])
     return np.divmod(np.unique(np.concatenate(found)), len(soft))
+
+
+def _near_borders(framed: np.ndarray) -> np.ndarray:
+    """Which pixels have another label in reach, and some of those nearby, of labels with a frame that wide."""
+    near = np.zeros(framed.shape, bool)
+    right, down = framed[:, 1:] != framed[:, :-1], framed[1:] != framed[:-1]
+    near[:, 1:] |= right
+    near[1:] |= down
+    wide = 2 * _REACH + 1
+    rows, cols = (side - wide + 1 for side in framed.shape)
+    across = np.zeros((len(near), cols), bool)
+    for k in range(wide):
+        across |= near[:, k:k + cols]
+    out = np.zeros((rows, cols), bool)
+    for k in range(wide):
+        out |= across[k:k + rows]
+    return out
 
 
 def _mix(colour: np.ndarray, here: np.ndarray, there: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:

@@ -253,9 +253,12 @@ def _has_twin(colours: np.ndarray) -> np.ndarray:
 
 def _nearest_within(canvas: Canvas, cells: np.ndarray, colours: np.ndarray, margin: float) -> np.ndarray:
     """The label whose colour is within a margin of the pixel's in each channel, else or if undecided -1."""
-    here = canvas.colours(cells)
-    label = np.full(cells.size, -1, np.int32)
-    least = np.full(cells.size, margin + 0.5, np.float32)
+    # Along a row of a ramp, pixels equal the one before them more often than not.
+    keys = canvas.keys[cells]
+    heads = np.flatnonzero(np.append(True, keys[1:] != keys[:-1])[:cells.size])
+    here = planes(keys[heads], canvas.opaque)
+    label = np.full(heads.size, -1, np.int32)
+    least = np.full(heads.size, margin + 0.5, np.float32)
     for k, colour in enumerate(colours.T):
         off = np.abs(here[0] - colour[0])
         for plane, level in zip(here[1:], colour[1:]):
@@ -263,7 +266,7 @@ def _nearest_within(canvas: Canvas, cells: np.ndarray, colours: np.ndarray, marg
         label[off == least] = -1
         nearer = off < least
         label[nearer], least[nearer] = k, off[nearer]
-    return label
+    return np.repeat(label, np.diff(np.append(heads, cells.size)))
 
 
 def _touches_equal(labels: np.ndarray, cells: np.ndarray, stride: int) -> np.ndarray:

@@ -210,6 +210,8 @@ def _extend(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], free: np
             continue
         points, colour = _pixels(canvas, (row + window[0].start) * ramps.shape[1] + col + window[1].start)
         fits = np.abs(surfaces[number].colours(points) - colour).max(axis=1) < FIT
+        if not fits.any():
+            continue
         own = here == number
         more = own.copy()
         more[row[fits], col[fits]] = True
