@@ -183,6 +183,11 @@ def linked_areas(right: np.ndarray, down: np.ndarray) -> Areas:
     return Areas(heads, tails, number, np.bincount(number, tails - heads).astype(np.int64))
 
 
+def mask_areas(mask: np.ndarray) -> Areas:
+    """Number the connected areas of the pixels set in a mask (H, W); lone pixels are none."""
+    return linked_areas(mask[:, 1:] & mask[:, :-1], mask[1:] & mask[:-1])
+
+
 def block_areas(block: np.ndarray) -> Areas:
     """Number the connected areas that 2 x 2 blocks cover; blocks are connected where they share a pixel.
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from .canvas import Canvas
 from .components import label_components
-from .surfaces import Surface
+from .growing import Surface
 
 OFF = 3.0
 """How far from its surface a pixel of a piece may be, levels of a channel."""

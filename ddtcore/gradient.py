@@ -241,8 +241,12 @@ def colours_at(gradient: Gradient, points: np.ndarray) -> np.ndarray:
     offsets = np.array([stop[0] for stop in gradient.stops])
     stops = np.array([(*stop[1], 255 * stop[2]) for stop in gradient.stops], float)
     place = offsets_at(gradient, points)
-    colour = np.stack([np.interp(place, offsets, channel) for channel in stops.T], axis=1)
-    colour[:, :3] *= colour[:, 3:] / 255
+    colour = np.empty((len(points), 4))
+    for channel in range(4):
+        same = (stops[:, channel] == stops[0, channel]).all()
+        colour[:, channel] = stops[0, channel] if same else np.interp(place, offsets, stops[:, channel])
+    if (stops[:, 3] < 255).any():
+        colour[:, :3] *= colour[:, 3:] / 255
     return colour
 
 
@@ -254,5 +258,5 @@ def offsets_at(gradient: Gradient, points: np.ndarray) -> np.ndarray:
     if gradient.kind == "linear":
         return np.asarray(offset.dot(along) / max(along.dot(along), 1e-12))
     across = np.array(gradient.across) - start if gradient.across else np.array([-along[1], along[0]])
-    frame = np.stack([along, across], axis=1)
-    return np.asarray(np.hypot(*np.linalg.solve(frame, offset.T)))
+    share = offset.dot(np.linalg.inv(np.stack([along, across])))
+    return np.asarray(np.sqrt(np.einsum("nk,nk->n", share, share)))

@@ -17,12 +17,12 @@ from . import shades
 from .canvas import Canvas, planes
 from .components import label_components
 from .gradient import PRICE
+from .growing import Surface
 from .hairlines import Inks
 from .mixes import length, segment_distance
 from .palette import MANY as MOST
 from .palette import Plateaus
 from .sides import SLOTS, near_samples, window
-from .surfaces import Surface
 
 LEAST = 10.0
 """Smallest distance of a drawn pixel from all mixes of what surrounds it, levels."""
