@@ -204,6 +204,30 @@ def block_areas(block: np.ndarray) -> Areas:
     return linked_areas(right, down)
 
 
+def cell_components(cells: np.ndarray, values: np.ndarray, stride: int) -> np.ndarray:
+    """Number the connected areas of equal values among some pixels of a picture, corners included.
+
+    Parameters
+    ----------
+    cells : ndarray of shape (n,)
+        Numbers of the pixels, rising, in a picture with a rim.
+    values : ndarray of shape (n,)
+    stride : int
+        Step from a pixel to the one below it.
+
+    Returns
+    -------
+    ndarray of shape (n,) and dtype int32
+        Component of each pixel, numbered from 0 in reading order.
+    """
+    edges = [(np.zeros(0, np.intp), np.zeros(0, np.intp))]
+    for step in (1, stride - 1, stride, stride + 1) if cells.size else ():
+        place = np.minimum(np.searchsorted(cells, cells + cells.dtype.type(step)), cells.size - 1)
+        near = np.flatnonzero((cells[place] == cells + cells.dtype.type(step)) & (values[place] == values))
+        edges.append((near, place[near]))
+    return components(cells.size, *(np.concatenate(ends) for ends in zip(*edges)))
+
+
 def label_components(labels: np.ndarray, connectivity: int = 4) -> np.ndarray:
     """Number the connected areas of equal labels.
 

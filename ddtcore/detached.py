@@ -13,8 +13,9 @@ from typing import List, Tuple
 import numpy as np
 
 from .canvas import Canvas
-from .components import label_components
+from .components import linked_areas
 from .growing import Surface
+from .spans import spans_of
 
 OFF = 3.0
 """How far from its surface a pixel of a piece may be, levels of a channel."""
@@ -65,14 +66,13 @@ def join_detached(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface],
 
 def _explained(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface]) -> np.ndarray:
     """For each ramp a larger one whose surface explains it as well, or itself."""
-    cells = np.flatnonzero(ramps >= 0)
-    cells = cells[np.argsort(ramps.ravel()[cells], kind="stable")]
-    size = np.bincount(ramps.ravel()[cells], minlength=len(surfaces))
     into = np.arange(len(surfaces))
-    if not cells.size:
+    if not surfaces:
         return into
+    spans = spans_of(ramps, len(surfaces))
+    size = np.array([each.size for each in spans])
     share = (np.arange(_ASKED) + 0.5) / _ASKED
-    asked = cells[((np.cumsum(size) - size)[:, None] + size[:, None] * share).astype(np.intp)]
+    asked = np.stack([each.at((each.size * share).astype(np.intp)) for each in spans])
     row, col = np.divmod(asked, ramps.shape[1])
     points = np.stack([col, row], axis=-1) + 0.5
     colour = np.moveaxis(canvas.colours(canvas.numbers(row, col)), 0, -1)
@@ -96,38 +96,30 @@ def _add_free(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], free: 
     least = np.full(row.size, OFF)
     best = np.full(row.size, -1, np.int32)
     work = _WORK
-    for number, (top, bottom, left, right) in enumerate(_boxes(ramps, len(surfaces))):
-        first, last = np.searchsorted(row, [top - REACH, bottom + REACH])
-        some = first + np.flatnonzero((col[first:last] >= left - REACH) & (col[first:last] < right + REACH))
+    for number, spans in enumerate(spans_of(ramps, len(surfaces))):
+        rows, cols = spans.window(ramps.shape, REACH)
+        first, last = np.searchsorted(row, [rows.start, rows.stop])
+        some = first + np.flatnonzero((col[first:last] >= cols.start) & (col[first:last] < cols.stop))
         work -= some.size
         if surfaces[number].gradient is None or work < 0:
             continue
         off = np.abs(surfaces[number].colours(points[some]) - colour[some]).max(axis=1)
         nearer = off < least[some]
         least[some[nearer]], best[some[nearer]] = off[nearer], number
-    ramps[row, col] = _pieces(row, col, best, ramps)
+    ramps[row, col] = _pieces(row, col, best, ramps.shape)
 
 
-def _boxes(ramps: np.ndarray, count: int) -> np.ndarray:
-    """First and last row, and first and last column of each ramp, each last one excluded, (count, 4)."""
-    boxes = np.zeros((count, 4), np.intp)
-    for side, numbers in ((0, ramps), (2, ramps.T)):
-        place, other = np.nonzero(numbers >= 0)
-        number = numbers[place, other]
-        # Of several values for one place, the last one is kept.
-        boxes[number[::-1], side] = place[::-1]
-        boxes[number, side + 1] = place + 1
-    return boxes
-
-
-def _pieces(row: np.ndarray, col: np.ndarray, best: np.ndarray, ramps: np.ndarray) -> np.ndarray:
+def _pieces(row: np.ndarray, col: np.ndarray, best: np.ndarray, shape: Tuple[int, int]) -> np.ndarray:
     """The numbers `best` of pixels, but -1 for those of areas that are too small or one pixel narrow."""
-    number = np.full(ramps.shape, -1, np.int32)
+    number = np.full(shape, -1, np.int32)
     number[row, col] = best
-    area = label_components(number)
-    wide = (area[1:, 1:] == area[:-1, 1:]) & (area[1:, 1:] == area[1:, :-1]) & (area[1:, 1:] == area[:-1, :-1])
-    size = np.bincount(area.ravel())
-    kept = np.zeros(size.size, bool)
-    kept[area[1:, 1:][wide]] = True
-    kept &= size >= AREA
-    return np.where(kept[area[row, col]], best, -1)
+    right, down = number[:, 1:] == number[:, :-1], number[1:] == number[:-1]
+    right &= number[:, 1:] >= 0
+    down &= number[1:] >= 0
+    areas = linked_areas(right, down)
+    wide = np.flatnonzero(np.pad(right[1:] & right[:-1] & down[:, 1:], ((1, 0), (1, 0)), mode="constant"))
+    kept = np.zeros(areas.size.size + 1, bool)
+    kept[areas.at(wide)] = True
+    kept[:-1] &= areas.size >= AREA
+    kept[-1] = False
+    return np.where(kept[areas.at(row * shape[1] + col)], best, -1)

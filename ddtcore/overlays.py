@@ -15,7 +15,7 @@ import numpy as np
 
 from . import shades
 from .canvas import Canvas, planes
-from .components import label_components
+from .components import cell_components
 from .gradient import PRICE
 from .growing import Surface
 from .hairlines import Inks
@@ -153,11 +153,7 @@ def _unexplained(here: np.ndarray, sides: np.ndarray, samples: np.ndarray) -> np
 
 def _areas(canvas: Canvas, cells: np.ndarray, off: np.ndarray) -> np.ndarray:
     """Numbers of connected pixels that are all lighter, or all darker, than the ramp."""
-    side = np.zeros(canvas.shape, np.int8)
-    row, col = canvas.places(cells)
-    side[row, col] = np.where(off.sum(axis=0) > 0, 1, 2)
-    _, number = np.unique(label_components(side, 8)[row, col], return_inverse=True)
-    return number
+    return cell_components(cells, off.sum(axis=0) > 0, canvas.stride)
 
 
 def _thin(search: Inks, area: np.ndarray, chosen: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:

@@ -14,7 +14,7 @@ from typing import Iterator, Tuple
 import numpy as np
 
 from .canvas import Canvas
-from .components import block_areas, label_components
+from .components import block_areas, cell_components
 from .mixes import length
 from .sides import window
 
@@ -167,8 +167,5 @@ def _neighbours(canvas: Canvas, cells: np.ndarray, area: np.ndarray) -> Iterator
 
 def _sizes(canvas: Canvas, cells: np.ndarray, number: np.ndarray) -> np.ndarray:
     """How many connected pixels with equal numbers each of some pixels belongs to."""
-    whole = np.full(canvas.shape, -1, np.int64)
-    row, col = canvas.places(cells)
-    whole[row, col] = number
-    piece = label_components(whole, 8)
-    return np.asarray(np.bincount(piece.ravel())[piece[row, col]])
+    piece = cell_components(cells, number, canvas.stride)
+    return np.asarray(np.bincount(piece)[piece])

@@ -33,7 +33,10 @@ class Spans(NamedTuple):
 
     def every(self, step: int) -> np.ndarray:
         """Every `step`-th pixel."""
-        place = np.arange(0, self.size, step)
+        return self.at(np.arange(0, self.size, step))
+
+    def at(self, place: np.ndarray) -> np.ndarray:
+        """The pixels at some places, counted in reading order."""
         span = np.searchsorted(self.ends, place, side="right")
         return np.asarray(self.heads[span] + place - np.append(0, self.ends)[span])
 
