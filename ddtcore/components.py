@@ -221,11 +221,21 @@ def cell_components(cells: np.ndarray, values: np.ndarray, stride: int) -> np.nd
         Component of each pixel, numbered from 0 in reading order.
     """
     edges = [(np.zeros(0, np.intp), np.zeros(0, np.intp))]
-    for step in (1, stride - 1, stride, stride + 1) if cells.size else ():
-        place = np.minimum(np.searchsorted(cells, cells + cells.dtype.type(step)), cells.size - 1)
-        near = np.flatnonzero((cells[place] == cells + cells.dtype.type(step)) & (values[place] == values))
+    for step in (1, stride - 1, stride, stride + 1):
+        place = next_among(cells, step)
+        near = np.flatnonzero((place >= 0) & (values[place] == values))
         edges.append((near, place[near]))
     return components(cells.size, *(np.concatenate(ends) for ends in zip(*edges)))
+
+
+def next_among(cells: np.ndarray, step: int) -> np.ndarray:
+    """For each of some pixels, rising, the place among them of the one that is a step farther, -1 if it's none."""
+    aim = cells + cells.dtype.type(step)
+    place = np.searchsorted(cells, aim)
+    place[place == cells.size] = 0
+    if cells.size:
+        place[cells[place] != aim] = -1
+    return np.asarray(place)
 
 
 def label_components(labels: np.ndarray, connectivity: int = 4) -> np.ndarray:

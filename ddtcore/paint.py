@@ -178,7 +178,7 @@ def _chosen(regions: np.ndarray, some: np.ndarray) -> np.ndarray:
     """Numbers of the pixels of some regions; of the largest, those of every n-th row and column."""
     width = regions.shape[1]
     size = sum(np.bincount(row, minlength=len(some)) for row in _strips(regions.ravel(), width))
-    step = np.maximum(np.sqrt(size / _ENOUGH).astype(np.int32), 1)
+    step = np.maximum(np.ceil(np.sqrt(size / _ENOUGH)).astype(np.int32), 1)
     chosen = []
     for number, strip in enumerate(_strips(regions.ravel(), width)):
         cells = np.flatnonzero(some[strip])

@@ -37,6 +37,7 @@ ELBOWS = 3
 HARD = 0.95
 """Share of palette colours among the pixels that are no plateaus from which edges count as hard."""
 
+_ROWS = 256
 _CHUNK = 1 << 18
 """Pixels looked at together."""
 
@@ -107,16 +108,26 @@ def _sound_blocks(canvas: Canvas, block: np.ndarray, weak: np.ndarray) -> np.nda
     """Colours of the blocks of `weak` ones (rising) that do not lie between two equal pairs of pixels."""
     if not weak.size:
         return weak
-    at = canvas.cells(block)
     key, down = canvas.keys, canvas.stride
-    place = np.searchsorted(weak, key[at])
-    at = at[weak[np.minimum(place, weak.size - 1)] == key[at]]
+    at = np.concatenate([_coloured(canvas, block[start:start + _ROWS], start, weak)
+                         for start in range(0, len(block), _ROWS)])
     sound = np.ones(at.size, bool)
     for across, along in ((down, 1), (1, down)):
         side = key[at - across]
         sound &= ~((side == key[at + 2 * across]) & (side == key[at - across + along])
                    & (side == key[at + 2 * across + along]))
     return np.asarray(key[at[sound]])
+
+
+def _coloured(canvas: Canvas, some: np.ndarray, first: int, keys: np.ndarray) -> np.ndarray:
+    """Numbers of the pixels in a mask of the rows from `first` on that have one of the colours `keys` (rising)."""
+    row, col = np.divmod(np.flatnonzero(some).astype(np.int32), np.int32(some.shape[1]))
+    at = canvas.numbers(row + np.int32(first), col)
+    here = canvas.keys[at]
+    # Most pixels of plateaus equal the one before them.
+    heads = np.flatnonzero(np.append(True, here[1:] != here[:-1])[:at.size])
+    place = np.minimum(np.searchsorted(keys, here[heads]), keys.size - 1)
+    return np.asarray(at[np.repeat(keys[place] == here[heads], np.diff(np.append(heads, at.size)))])
 
 
 def plain_colours(canvas: Canvas) -> np.ndarray:

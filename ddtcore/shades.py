@@ -14,7 +14,7 @@ from typing import Iterator, Tuple
 import numpy as np
 
 from .canvas import Canvas
-from .components import block_areas, cell_components
+from .components import cell_components, components, next_among
 from .mixes import length
 from .sides import window
 
@@ -91,21 +91,27 @@ def part(canvas: Canvas, cells: np.ndarray, off: np.ndarray, area: np.ndarray) -
 
 def _cores(canvas: Canvas, cells: np.ndarray, off: np.ndarray, area: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """Number of the evenly changed place that each pixel belongs to, -1 for none, and the sizes of these."""
-    place = np.full(canvas.shape, -1, np.int32)
-    row, col = canvas.places(cells)
-    place[row, col] = np.arange(cells.size)
-    right, down = (_even(one, other, off, area)
-                   for one, other in ((place[:, :-1], place[:, 1:]), (place[:-1], place[1:])))
-    block = right[1:] & right[:-1] & down[:, 1:] & down[:, :-1]
-    cores = block_areas(block)
-    return cores.at(row * canvas.shape[1] + col), cores.size
+    right, down = (next_among(cells, step) for step in (1, canvas.stride))
+    across, along = (_even(place, off, area) for place in (right, down))
+    corner = np.flatnonzero(across & along)
+    first, second = right[corner], down[corner]
+    block = along[first] & across[second]
+    corner, first, second = corner[block], first[block], second[block]
+    last = down[first]
+    inside = np.zeros(cells.size, bool)
+    for some in (corner, first, second, last):
+        inside[some] = True
+    core = components(cells.size, np.tile(corner, 3), np.concatenate([first, second, last]))
+    number = np.full(cells.size, -1, np.int64)
+    _, number[inside] = np.unique(core[inside], return_inverse=True)
+    return number, np.bincount(number[inside])
 
 
-def _even(one: np.ndarray, other: np.ndarray, off: np.ndarray, area: np.ndarray) -> np.ndarray:
-    """Which neighbours, by their places among all or -1, are in one area and changed alike."""
-    even = (one >= 0) & (other >= 0)
-    a, b = one[even], other[even]
-    even[even] = (area[a] == area[b]) & (np.abs(off[:, a] - off[:, b]).max(axis=0) <= EVEN)
+def _even(place: np.ndarray, off: np.ndarray, area: np.ndarray) -> np.ndarray:
+    """Which pixels have one beside them, given its place among all or -1, in the same area and changed alike."""
+    even = place >= 0
+    a, b = np.flatnonzero(even), place[even]
+    even[a] = (area[a] == area[b]) & (np.abs(off[:, a] - off[:, b]).max(axis=0) <= EVEN)
     return even
 
 
