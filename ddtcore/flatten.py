@@ -99,13 +99,18 @@ def _pairs(index: np.ndarray, soft: np.ndarray) -> Tuple[np.ndarray, np.ndarray]
     cells = (row + _REACH) * framed.shape[1] + col + _REACH
     number = row * index.shape[1] + col
     framed = framed.ravel()
-    own = framed[cells]
-    found = []
+    own, other = framed[cells], np.full(cells.size, -1, framed.dtype)
+    known = soft[own]
+    more = [np.zeros(0, number.dtype)]
     for step in window(index.shape[1] + 2 * _REACH, 1, _REACH):
-        other = framed[cells + step]
-        mixed = np.flatnonzero((own != other) & (soft[own] | soft[other]))
-        found.append(number[mixed] * len(soft) + other[mixed])
-    return np.divmod(np.unique(np.concatenate(found)), len(soft))
+        near = framed[cells + step]
+        hit = np.flatnonzero((near != own) & (near != other) & (known | soft[near]))
+        # Few pixels are near several labels.
+        again = other[hit] >= 0
+        more.append(number[hit[again]] * len(soft) + near[hit[again]])
+        other[hit[~again]] = near[hit[~again]]
+    some = other >= 0
+    return np.divmod(np.unique(np.concatenate([number[some] * len(soft) + other[some], *more])), len(soft))
 
 
 def _near_borders(framed: np.ndarray) -> np.ndarray:

@@ -138,7 +138,10 @@ def _contacts(ramps: np.ndarray, count: int) -> List[Tuple[int, int, np.ndarray]
     for axis in (0, 1):
         for step in range(1, _NEAR + 1):
             a, b = ((ramps[step:], ramps[:-step]), (ramps[:, step:], ramps[:, :-step]))[axis]
-            row, col = np.nonzero((a != b) & (a >= 0) & (b >= 0))
+            meet = a != b
+            meet &= a >= 0
+            meet &= b >= 0
+            row, col = np.divmod(np.flatnonzero(meet), meet.shape[1])
             low, high = np.sort([a[row, col], b[row, col]], axis=0).astype(np.int64)
             codes.append(low * count + high)
             points.append(np.stack([col, row], axis=1) + 0.5 + np.eye(2)[1 - axis] * step / 2)
