@@ -13,9 +13,9 @@ from typing import List, Tuple
 import numpy as np
 
 from .canvas import Canvas
-from .components import linked_areas
+from .components import components, next_among
 from .growing import Surface
-from .spans import spans_of
+from .spans import renumber, spans_of
 
 OFF = 3.0
 """How far from its surface a pixel of a piece may be, levels of a channel."""
@@ -44,7 +44,7 @@ def join_detached(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface],
     ----------
     canvas : Canvas
     ramps : ndarray of shape (H, W) and dtype int32
-        Number of the ramp of each pixel, -1 where there is none.
+        Number of the ramp of each pixel, -1 where there is none; changed in place.
     surfaces : list of Surface
         The colours of each ramp.
     free : ndarray of shape (H, W) and dtype bool
@@ -58,7 +58,8 @@ def join_detached(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface],
     """
     into = _explained(canvas, ramps, surfaces)
     kept, number = np.unique(into, return_inverse=True)
-    ramps = np.append(number.ravel(), -1).astype(np.int32)[ramps]
+    if kept.size < into.size:
+        renumber(ramps, np.append(number.ravel(), -1).astype(np.int32))
     surfaces = [surfaces[k] for k in kept.tolist()]
     _add_free(canvas, ramps, surfaces, free)
     return ramps, surfaces
@@ -106,20 +107,22 @@ def _add_free(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], free: 
         off = np.abs(surfaces[number].colours(points[some]) - colour[some]).max(axis=1)
         nearer = off < least[some]
         least[some[nearer]], best[some[nearer]] = off[nearer], number
-    ramps[row, col] = _pieces(row, col, best, ramps.shape)
+    found = np.flatnonzero(best >= 0)
+    found = found[_in_pieces(canvas, row[found], col[found], best[found])]
+    ramps[row[found], col[found]] = best[found]
 
 
-def _pieces(row: np.ndarray, col: np.ndarray, best: np.ndarray, shape: Tuple[int, int]) -> np.ndarray:
-    """The numbers `best` of pixels, but -1 for those of areas that are too small or one pixel narrow."""
-    number = np.full(shape, -1, np.int32)
-    number[row, col] = best
-    right, down = number[:, 1:] == number[:, :-1], number[1:] == number[:-1]
-    right &= number[:, 1:] >= 0
-    down &= number[1:] >= 0
-    areas = linked_areas(right, down)
-    wide = np.flatnonzero(np.pad(right[1:] & right[:-1] & down[:, 1:], ((1, 0), (1, 0)), mode="constant"))
-    kept = np.zeros(areas.size.size + 1, bool)
-    kept[areas.at(wide)] = True
-    kept[:-1] &= areas.size >= AREA
-    kept[-1] = False
-    return np.where(kept[areas.at(row * shape[1] + col)], best, -1)
+def _in_pieces(canvas: Canvas, row: np.ndarray, col: np.ndarray, best: np.ndarray) -> np.ndarray:
+    """Which pixels, in reading order, belong to areas of one number that are neither small nor one pixel narrow."""
+    cells = canvas.numbers(row, col)
+    right, down = (next_among(cells, step) for step in (1, canvas.stride))
+    across, along = (np.flatnonzero((place >= 0) & (best[place] == best)) for place in (right, down))
+    area = components(cells.size, np.append(across, along), np.append(right[across], down[along]))
+    block = np.zeros((2, cells.size), bool)
+    block[0, across] = block[1, along] = True
+    wide = across[block[1, across] & block[1, right[across]]]
+    wide = wide[block[0, down[wide]]]
+    kept = np.zeros(cells.size, bool)
+    kept[area[wide]] = True
+    kept &= np.bincount(area, minlength=cells.size) >= AREA
+    return np.asarray(kept[area])

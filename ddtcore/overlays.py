@@ -83,7 +83,7 @@ def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: 
     keys : ndarray of shape (K,) and dtype uint32
         Colours of large plateaus, packed.
     labels : ndarray of shape (P,) and dtype int32
-        Which of them each pixel has, with the rim, else negative.
+        Which of them each pixel has, with the rim, else negative; not to be used any more.
 
     Returns
     -------
@@ -94,9 +94,9 @@ def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: 
         their pixels vary by what they cover of them.
     """
     count = len(surfaces)
-    known = canvas.rimmed(ramps, -1)
-    plain = (labels >= 0) & (known < 0)
-    known[plain] = labels[plain] + count
+    known = labels
+    np.add(known, np.int32(count), out=known, where=known >= 0)
+    np.copyto(canvas.bare(known), ramps, where=ramps >= 0)
     cells = canvas.cells(canvas.bare(known) < 0)
     samples, _ = near_samples(known, cells, canvas.stride)
     beside = (samples >= 0) & (known[samples] < count)

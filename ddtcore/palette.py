@@ -37,8 +37,6 @@ ELBOWS = 3
 HARD = 0.95
 """Share of palette colours among the pixels that are no plateaus from which edges count as hard."""
 
-_ROWS = 256
-_CHUNK = 1 << 18
 """Pixels looked at together."""
 
 _WEIGHED = 48
@@ -109,8 +107,7 @@ def _sound_blocks(canvas: Canvas, block: np.ndarray, weak: np.ndarray) -> np.nda
     if not weak.size:
         return weak
     key, down = canvas.keys, canvas.stride
-    at = np.concatenate([_coloured(canvas, block[start:start + _ROWS], start, weak)
-                         for start in range(0, len(block), _ROWS)])
+    at = np.concatenate([cells[_has_one(key[cells], weak)] for cells in canvas.strips(block)])
     sound = np.ones(at.size, bool)
     for across, along in ((down, 1), (1, down)):
         side = key[at - across]
@@ -119,15 +116,12 @@ def _sound_blocks(canvas: Canvas, block: np.ndarray, weak: np.ndarray) -> np.nda
     return np.asarray(key[at[sound]])
 
 
-def _coloured(canvas: Canvas, some: np.ndarray, first: int, keys: np.ndarray) -> np.ndarray:
-    """Numbers of the pixels in a mask of the rows from `first` on that have one of the colours `keys` (rising)."""
-    row, col = np.divmod(np.flatnonzero(some).astype(np.int32), np.int32(some.shape[1]))
-    at = canvas.numbers(row + np.int32(first), col)
-    here = canvas.keys[at]
+def _has_one(here: np.ndarray, keys: np.ndarray) -> np.ndarray:
+    """Which pixels, row by row, have one of the colours `keys` (rising)."""
     # Most pixels of plateaus equal the one before them.
-    heads = np.flatnonzero(np.append(True, here[1:] != here[:-1])[:at.size])
+    heads = np.flatnonzero(np.append(True, here[1:] != here[:-1])[:here.size])
     place = np.minimum(np.searchsorted(keys, here[heads]), keys.size - 1)
-    return np.asarray(at[np.repeat(keys[place] == here[heads], np.diff(np.append(heads, at.size)))])
+    return np.repeat(keys[place] == here[heads], np.diff(np.append(heads, here.size)))
 
 
 def plain_colours(canvas: Canvas) -> np.ndarray:
@@ -226,20 +220,21 @@ def known_labels(canvas: Canvas, plateaus: Plateaus, keys: np.ndarray, noise: fl
     colours = planes(keys, canvas.opaque)
     plain = ~(is_mixed(colours, colours) | _has_twin(colours))
     plain[_WEIGHED:] = False
-    cells = canvas.cells(~plateaus.core | (canvas.bare(labels) < 0))
-    here = labels[cells]
-    sure = here >= 0
-    if np.count_nonzero(sure) <= HARD * cells.size:
-        asked = np.flatnonzero(sure & plain[here])
-        sure[:] = False
-        sure[asked] = _touches_equal(labels, cells[asked], canvas.stride)
-    for start in range(0, cells.size, _CHUNK):
-        part = slice(start, start + _CHUNK)
-        here[part] = _nearest_within(canvas, cells[part], colours, noise)
-    labels[cells] = here
-    asked = np.flatnonzero(~sure & (here >= 0))
-    sure[asked] = _in_block(labels, cells[asked], canvas.stride)
-    labels[cells[~sure]] = -1
+    bare = canvas.bare(labels)
+    asked = bare < 0
+    asked |= ~plateaus.core
+    sure = ~asked
+    exact = asked & (bare >= 0)
+    if np.count_nonzero(exact) > HARD * np.count_nonzero(asked):
+        sure |= exact
+    else:
+        for cells in canvas.strips(exact & np.append(plain, False)[bare]):
+            canvas.put(sure, cells[_touches_equal(labels, cells, canvas.stride)])
+    for cells in canvas.strips(asked):
+        labels[cells] = _nearest_within(canvas, cells, colours, noise)
+    for cells in canvas.strips(~sure & (bare >= 0)):
+        canvas.put(sure, cells[_in_block(labels, cells, canvas.stride)])
+    bare[~sure] = -1
     return labels
 
 

@@ -9,7 +9,7 @@ and for strokes too narrow to have such, by pixels that none of these directions
 
 from __future__ import annotations
 
-from typing import Iterator, Tuple
+from typing import List, Sequence, Tuple
 
 import numpy as np
 
@@ -39,6 +39,9 @@ CORES, KINDS = 64, 6
 _FAR, _MOST = 1e3, 20.0
 
 
+_Beside = Tuple[np.ndarray, np.ndarray]
+
+
 def part(canvas: Canvas, cells: np.ndarray, off: np.ndarray, area: np.ndarray) -> np.ndarray:
     """Part the areas in which there are several things.
 
@@ -62,7 +65,8 @@ def part(canvas: Canvas, cells: np.ndarray, off: np.ndarray, area: np.ndarray) -
     owner = np.full(size.size, -1, area.dtype)
     owner[core[inside]] = area[inside]
     change = np.stack([np.bincount(core[inside], plane[inside], size.size) for plane in off])
-    alike = _alike(canvas, cells, off, area)
+    near = _neighbours(canvas, cells, area)
+    alike = _alike(near, off)
     unlikeness = np.full((KINDS, area.size), _FAR)
     unlikeness[0] = 0
     count = np.bincount(area)
@@ -81,11 +85,11 @@ def part(canvas: Canvas, cells: np.ndarray, off: np.ndarray, area: np.ndarray) -
             most = unlike & (beside >= np.percentile(beside[unlike], 75))
             kinds = np.append(kinds, _direction(some[:, most].sum(axis=1, keepdims=True)), axis=1)
         unlikeness[:kinds.shape[1], members[number]] = np.minimum(_distance(some, kinds), _MOST)
-    kind = _smooth(canvas, cells, area, unlikeness).argmin(axis=0)
+    kind = _smooth(near, unlikeness).argmin(axis=0)
     for _ in range(2):
         scrap = np.flatnonzero(_sizes(canvas, cells, area * KINDS + kind) < AREA)
         unlikeness[kind[scrap], scrap] = _FAR
-        kind = _smooth(canvas, cells, area, unlikeness).argmin(axis=0)
+        kind = _smooth(near, unlikeness).argmin(axis=0)
     return np.unique(area * KINDS + kind, return_inverse=True)[1].ravel()
 
 
@@ -145,30 +149,30 @@ def _beside(off: np.ndarray, kinds: np.ndarray) -> Tuple[np.ndarray, np.ndarray]
     return beside, beside > np.maximum(OFF, SHARE * size)
 
 
-def _smooth(canvas: Canvas, cells: np.ndarray, area: np.ndarray, values: np.ndarray) -> np.ndarray:
+def _smooth(near: Sequence[_Beside], values: np.ndarray) -> np.ndarray:
     """Sums of the values (n, N) of each pixel and of the pixels of its area round it."""
     total = 2 * values
-    for same, beside in _neighbours(canvas, cells, area):
+    for same, beside in near:
         total[:, same] += values[:, beside]
     return total
 
 
-def _alike(canvas: Canvas, cells: np.ndarray, off: np.ndarray, area: np.ndarray) -> np.ndarray:
+def _alike(near: Sequence[_Beside], off: np.ndarray) -> np.ndarray:
     """Which pixels are changed like one beside them in their area."""
-    alike = np.zeros(cells.size, bool)
-    for same, beside in _neighbours(canvas, cells, area):
+    alike = np.zeros(off.shape[1], bool)
+    for same, beside in near:
         alike[same] |= np.abs(off[:, beside] - off[:, same]).max(axis=0) <= EVEN
     return alike
 
 
-def _neighbours(canvas: Canvas, cells: np.ndarray, area: np.ndarray) -> Iterator[Tuple[np.ndarray, np.ndarray]]:
+def _neighbours(canvas: Canvas, cells: np.ndarray, area: np.ndarray) -> List[_Beside]:
     """For each of eight directions, which pixels have a neighbour in their area, and which one."""
-    place = np.full(canvas.keys.size, -1, np.int32)
-    place[cells] = np.arange(cells.size)
-    for step in window(canvas.stride, 1, 1):
-        beside = place[cells + step]
-        same = np.flatnonzero((beside >= 0) & (area[beside] == area))
-        yield same, beside[same]
+    found = []
+    for step in window(canvas.stride, 1, 1).tolist():
+        beside = next_among(cells, step)
+        same = np.flatnonzero((beside >= 0) & (area[beside] == area)).astype(np.int32)
+        found.append((same, beside[same].astype(np.int32)))
+    return found
 
 
 def _sizes(canvas: Canvas, cells: np.ndarray, number: np.ndarray) -> np.ndarray:

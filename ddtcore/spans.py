@@ -52,6 +52,14 @@ class Spans(NamedTuple):
                 slice(max(int(col.min()) - margin, 0), min(int(last.max()) + margin, shape[1])))
 
 
+def renumber(areas: np.ndarray, number: np.ndarray) -> None:
+    """Give areas other numbers (count + 1,) in place; the last one is for pixels that belong to none.
+
+    Both arrays have one dtype.
+    """
+    np.take(number, areas, out=areas, mode="wrap")
+
+
 def spans_of(areas: np.ndarray, count: int) -> List[Spans]:
     """The pixels of each of some areas.
 

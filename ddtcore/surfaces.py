@@ -15,7 +15,7 @@ import numpy as np
 from .canvas import Canvas
 from .components import label_components, mask_areas
 from .growing import FIT, MOST, Ramp, Surface, distance, fitted_surface, grown_surfaces
-from .spans import Spans, spans_of
+from .spans import Spans, renumber, spans_of
 
 STRANGE = 0.03
 """Share of a ramp that may be unexplained by its gradient before it is parted."""
@@ -55,7 +55,7 @@ def separate(canvas: Canvas, ramps: np.ndarray, count: int, free: np.ndarray) ->
     ----------
     canvas : Canvas
     ramps : ndarray of shape (H, W) and dtype int32
-        Number of the ramp of each pixel, -1 where there is none.
+        Number of the ramp of each pixel, -1 where there is none; changed in place.
     count : int
         How many there are.
     free : ndarray of shape (H, W) and dtype bool
@@ -64,7 +64,7 @@ def separate(canvas: Canvas, ramps: np.ndarray, count: int, free: np.ndarray) ->
     Returns
     -------
     ramps : ndarray of shape (H, W) and dtype int32
-        Likewise; pixels that no surface explains, and surfaces of one flat colour,
+        The same array; pixels that no surface explains, and surfaces of one flat colour,
         belong to no ramp.
     surfaces : list of Surface
         One for each ramp.
@@ -90,12 +90,12 @@ def separate(canvas: Canvas, ramps: np.ndarray, count: int, free: np.ndarray) ->
         else:
             number[k] = len(surfaces)
             surfaces.append(whole)
-    out = number[ramps]
+    renumber(ramps, number)
     for window, mask, parts in pieces:
-        out[window][mask] = parts
-    out, surfaces = _joined(canvas, out, surfaces)
-    _extend(canvas, out, surfaces, free)
-    return out, surfaces
+        ramps[window][mask] = parts
+    surfaces = _joined(canvas, ramps, surfaces)
+    _extend(canvas, ramps, surfaces, free)
+    return ramps, surfaces
 
 
 def _whole(canvas: Canvas, spans: Spans, limit: float = FIT) -> Tuple[Surface, bool]:
@@ -111,8 +111,8 @@ def _pixels(canvas: Canvas, cells: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     return np.stack([col, row], axis=1) + 0.5, canvas.colours(canvas.numbers(row, col)).T
 
 
-def _joined(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface]) -> Tuple[np.ndarray, List[Surface]]:
-    """Join ramps that meet without a jump, where one gradient explains both: a stop lies between them."""
+def _joined(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface]) -> List[Surface]:
+    """Join ramps that meet without a jump, in place, where one gradient explains both: a stop lies between them."""
     members = spans_of(ramps, len(surfaces))
     into = list(range(len(surfaces)))
     for one, other, points in _contacts(ramps, len(surfaces)):
@@ -126,10 +126,9 @@ def _joined(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface]) -> Tuple
             members[one], surfaces[one] = both, surface
             into = [one if k == other else k for k in into]
     kept = sorted(set(into))
-    if len(kept) == len(into):
-        return ramps, surfaces
-    number = np.append([kept.index(k) for k in into], -1).astype(np.int32)
-    return number[ramps], [surfaces[k] for k in kept]
+    if len(kept) < len(into):
+        renumber(ramps, np.append([kept.index(k) for k in into], -1).astype(np.int32))
+    return [surfaces[k] for k in kept]
 
 
 def _contacts(ramps: np.ndarray, count: int) -> List[Tuple[int, int, np.ndarray]]:
