@@ -15,6 +15,9 @@ import numpy as np
 
 _MIX = np.uint32(2654435761)
 
+_CHUNK = 1 << 20
+"""Pixels written at a time, and a run more."""
+
 
 def components(n: int, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Number the connected components of a graph.
@@ -148,9 +151,12 @@ class Areas(NamedTuple):
         """Write ``given[k]`` to the pixels of area k in a flat array, in place, unless it is negative."""
         runs = np.flatnonzero(given[self.number] >= 0)
         length = self.tails[runs] - self.heads[runs]
-        before = np.cumsum(length) - length
-        cells = np.arange(length.sum()) + np.repeat(self.heads[runs] - before, length)
-        values[cells] = np.repeat(given[self.number[runs]], length)
+        ends = np.cumsum(length)
+        cuts = np.searchsorted(ends, np.arange(_CHUNK, ends[-1] if runs.size else 0, _CHUNK))
+        for some, size in zip(np.split(runs, cuts), np.split(length, cuts)):
+            before = np.cumsum(size) - size
+            cells = np.arange(size.sum()) + np.repeat(self.heads[some] - before, size)
+            values[cells] = np.repeat(given[self.number[some]], size)
 
 
 def linked_areas(right: np.ndarray, down: np.ndarray) -> Areas:

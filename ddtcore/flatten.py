@@ -27,6 +27,9 @@ _SAME = 8.0
 _FOREIGN = 12.0
 """A pixel that is farther than this from all mixes keeps the difference, levels."""
 
+_ROWS, _CHUNK = 256, 1 << 17
+"""Rows of the picture painted at a time, and pixels mixed at a time."""
+
 
 def flatten(image: np.ndarray, labels: Labels) -> np.ndarray:
     """Replace each gradient by its mean colour.
@@ -71,9 +74,22 @@ def remix(image: np.ndarray, labels: Labels, index: np.ndarray, origin: np.ndarr
     ndarray of shape (H, W, 4) and dtype uint8
     """
     out = image.copy()
-    inner = changed[index]
-    out[inner] = straightened(colours)[index[inner]]
+    painted = straightened(colours)
+    for start in range(0, len(index), _ROWS):
+        number = index[start:start + _ROWS]
+        inner = changed[number]
+        out[start:start + _ROWS][inner] = painted[number[inner]]
     cells, other = _pairs(index, changed)
+    cuts = np.unique(np.searchsorted(cells, cells[_CHUNK::_CHUNK]))
+    for some, others in zip(np.split(cells, cuts), np.split(other, cuts)):
+        at, mixed = _remixed(image, labels, index, origin, colours, changed, some, others)
+        out.reshape(-1, 4)[at] = straightened(mixed)
+    return out
+
+
+def _remixed(image: np.ndarray, labels: Labels, index: np.ndarray, origin: np.ndarray, colours: np.ndarray,
+             changed: np.ndarray, cells: np.ndarray, other: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Pixels, of those given (n,) with a region near each, and what they become."""
     own = index.ravel()[cells]
     row, col = np.divmod(cells, index.shape[1])
     points = np.stack([col + 0.5, row + 0.5], axis=1)
@@ -88,8 +104,7 @@ def remix(image: np.ndarray, labels: Labels, index: np.ndarray, origin: np.ndarr
     # Of several regions nearby, the one whose mix leaves the least.
     order = np.lexsort((rest, cells))
     best = order[np.append(True, np.diff(cells[order]) > 0)[:len(order)]]
-    out.reshape(-1, 4)[cells[best]] = straightened(mixed[best])
-    return out
+    return cells[best], mixed[best]
 
 
 def _pairs(index: np.ndarray, soft: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:

@@ -37,8 +37,6 @@ ELBOWS = 3
 HARD = 0.95
 """Share of palette colours among the pixels that are no plateaus from which edges count as hard."""
 
-"""Pixels looked at together."""
-
 _WEIGHED = 48
 _SAMPLE = 1 << 12
 _FEW = 1 << 14

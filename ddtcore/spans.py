@@ -11,6 +11,9 @@ from typing import List, NamedTuple, Tuple
 
 import numpy as np
 
+_ROWS = 256
+"""Rows of a picture worked on at a time."""
+
 
 class Spans(NamedTuple):
     """The pixels of an area.
@@ -53,11 +56,9 @@ class Spans(NamedTuple):
 
 
 def renumber(areas: np.ndarray, number: np.ndarray) -> None:
-    """Give areas other numbers (count + 1,) in place; the last one is for pixels that belong to none.
-
-    Both arrays have one dtype.
-    """
-    np.take(number, areas, out=areas, mode="wrap")
+    """Give areas other numbers (count + 1,) in place; the last one is for pixels that belong to none."""
+    for start in range(0, len(areas), _ROWS):
+        areas[start:start + _ROWS] = number[areas[start:start + _ROWS]]
 
 
 def spans_of(areas: np.ndarray, count: int) -> List[Spans]:
