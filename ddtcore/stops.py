@@ -26,6 +26,9 @@ BINS = 128
 _PLACES = 16
 """Parts into which the gradient is divided to try places for stops, before they are moved to the best ones."""
 
+_ENDS = np.array([0.25, 0.5, 0.75])
+"""Further places in the first and the last of these parts."""
+
 _STEPS = 7
 """Most Gauss-Newton steps of the stops."""
 
@@ -102,6 +105,8 @@ def choose_stops(bins: Profile, price: float) -> Tuple[np.ndarray, np.ndarray]:
     """
     sums = _Sums.of(bins)
     places = np.linspace(0, 1, _PLACES + 1)
+    # A stop at the very end could not be moved by steps: nothing changes until it passes the first pixels.
+    places = np.sort(np.concatenate([places, _ENDS * places[1], 1 - _ENDS * places[1]]))
     first, last = np.triu_indices(len(places), 1)
     knots, error = best, least = _settled(sums, _best(sums, np.stack([places[first], places[last]], axis=1)))
     # What stops at all the places leave, a few will hardly explain.

@@ -170,7 +170,10 @@ def _extend(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], free: np
         more = own.copy()
         more[row[fits], col[fits]] = True
         areas = mask_areas(more)
-        inside = areas.at(np.flatnonzero(own))
+        # The first pixels of the ramp in each row, and after each gap, tell of all.
+        begins = own.copy()
+        begins[:, 1:] &= ~own[:, :-1]
+        inside = areas.at(np.flatnonzero(begins))
         held = np.full(areas.size.size, -1)
         held[inside[inside >= 0]] = 1
         reached = np.zeros(here.shape, bool)
