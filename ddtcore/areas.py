@@ -22,15 +22,18 @@ from .model import Labels
 EVEN = 10.0
 """Largest range of a channel in a square that is taken as one from the start, levels."""
 
-SQUARES = 4, 2
-"""Sides of these squares, px."""
+SQUARES = 2, 4
+"""Sides of these squares, each twice as long as the one before, px."""
 
 MANY = 8
 """How many times as many areas as wanted count as many."""
 
-EAGER, PATIENT = 0.5, 0.12
-"""Share of the areas' cheapest borders that are removed in a round while there are many, and then; more
+EAGER, PATIENT = 0.5, 0.08
+"""Share of the areas that are merged with another one in a round while there are many, and then; more
 is quicker, less is more exact."""
+
+_AMONG = 3
+"""How many times as many of the cheapest borders are looked at as are removed."""
 
 ROOM = 32
 """Least mean size of the areas of a picture, px²."""
@@ -59,8 +62,12 @@ class _Areas(NamedTuple):
 
     def costs(self) -> np.ndarray:
         """What it costs to remove each border, float32 (E,)."""
-        mean = self.total / self.size
-        square = ((mean[:, self.one] - mean[:, self.other]) ** 2).sum(axis=0)
+        square = np.zeros(len(self.one))
+        for plane in self.total / self.size:
+            off = plane[self.one]
+            off -= plane[self.other]
+            off *= off
+            square += off
         a, b = self.size[self.one], self.size[self.other]
         return np.asarray((square * (a * b / (a + b)) / np.sqrt(self.length)).astype(np.float32))
 
@@ -98,23 +105,27 @@ def limit_areas(labels: Labels, most: int) -> Labels:
 
 
 def _squares(colour: np.ndarray) -> np.ndarray:
-    """Number the largest even squares, and all other pixels, int64 (H, W)."""
+    """Number the largest even squares, and all other pixels, int32 (H, W)."""
     height, width = colour.shape[1:]
-    row, col = np.mgrid[0:height, 0:width]
-    number = row * width + col
-    free = np.ones((height, width), bool)
+    row, col = np.arange(height, dtype=np.int32)[:, None], np.arange(width, dtype=np.int32)
+    own = row * np.int32(width) + col
+    number = own.copy()
+    low = high = colour
     for side in SQUARES:
-        rows, cols = height // side, width // side
-        part = colour[:, :rows * side, :cols * side].reshape(len(colour), rows, side, cols, side)
-        span = part.max(axis=(2, 4)) - part.min(axis=(2, 4))
-        even = np.repeat(np.repeat((span <= EVEN).all(axis=0), side, axis=0), side, axis=1)
-        even &= free[:rows * side, :cols * side]
-        inside = number[:rows * side, :cols * side]
-        first = (row // side * side * width + col // side * side)[:rows * side, :cols * side]
-        inside[even] = first[even]
-        free[:rows * side, :cols * side] &= ~even
-    head = number == row * width + col
-    return np.asarray((np.cumsum(head.ravel()) - 1)[number])
+        low, high = _halved(low, np.minimum), _halved(high, np.maximum)
+        even = np.repeat(np.repeat((high - low <= EVEN).all(axis=0), side, axis=0), side, axis=1)
+        rows, cols = even.shape
+        first = row[:rows] // side * side * np.int32(width) + col[:cols] // side * side
+        np.copyto(number[:rows, :cols], first, where=even)
+    head = number == own
+    return np.asarray((np.cumsum(head.ravel(), dtype=np.int32) - 1)[number])
+
+
+def _halved(planes: np.ndarray, least: np.ufunc) -> np.ndarray:
+    """The least, or largest, value in each square of 2 x 2 pixels."""
+    rows, cols = (side // 2 * 2 for side in planes.shape[1:])
+    down = least(planes[:, :rows:2, :cols], planes[:, 1:rows:2, :cols])
+    return np.asarray(least(down[:, :, ::2], down[:, :, 1::2]))
 
 
 def _borders(index: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -144,28 +155,30 @@ def _merged(areas: _Areas, most: int) -> np.ndarray:
     group = np.arange(len(areas.size))
     most = max(1, most)
     while len(areas.size) > most and len(areas.one):
-        chosen = _cheapest(areas, len(areas.size) - most, EAGER if len(areas.size) > MANY * most else PATIENT)
+        share = EAGER if len(areas.size) > MANY * most else PATIENT
+        chosen = _cheapest(areas, max(1, min(len(areas.size) - most, int(share * len(areas.size)))))
         number = components(len(areas.size), areas.one[chosen], areas.other[chosen]).astype(np.int64)
         areas = _joined(areas, number)
         group = number[group]
     return group.astype(np.int32)
 
 
-def _cheapest(areas: _Areas, wanted: int, share: float) -> np.ndarray:
-    """The cheapest of the borders that are the cheapest one of an area; they close no circles."""
+def _cheapest(areas: _Areas, most: int) -> np.ndarray:
+    """At most so many of the cheapest borders that are the cheapest one of an area; they close no circles."""
     cost = areas.costs()
-    order = np.argsort(-cost, kind="stable")
-    rank = np.empty(len(order), np.int64)
-    rank[order] = np.arange(len(order))
+    # The cheapest borders of areas are among the cheapest of all.
+    first = min(_AMONG * most, cost.size - 1)
+    some = np.flatnonzero(cost <= np.partition(cost, first)[first])
+    order = some[np.argsort(-cost[some], kind="stable")]
+    rank = np.arange(order.size)
     best = np.full((2, len(areas.size)), -1)
     # The last one written, the cheapest, is what stays.
-    best[0, areas.one[order]] = rank[order]
-    best[1, areas.other[order]] = rank[order]
+    best[0, areas.one[order]] = rank
+    best[1, areas.other[order]] = rank
     lowest = best.max(axis=0)
-    asked = np.zeros(len(order), bool)
+    asked = np.zeros(order.size, bool)
     asked[lowest[lowest >= 0]] = True
-    cheapest = order[asked][::-1]
-    return cheapest[:max(1, min(wanted, int(np.ceil(share * len(cheapest)))))]
+    return np.asarray(order[asked][::-1][:most])
 
 
 def _joined(areas: _Areas, number: np.ndarray) -> _Areas:

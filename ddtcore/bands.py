@@ -16,9 +16,9 @@ import numpy as np
 from .canvas import premultiply
 from .flatten import flatten, remix, straightened
 from .gradient import offsets_at
+from .members import surrounded
 from .model import Gradient, Labels
 from .options import TraceOptions
-from .paint import surrounded
 
 STEP = 12.0
 """Smallest difference of two bands that is aimed at, levels of a channel."""

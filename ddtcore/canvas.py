@@ -10,12 +10,15 @@ bytes each; colours are unpacked only where a stage looks at them.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Tuple
+from typing import Iterator, Tuple
 
 import numpy as np
 
 RIM = 3
 """Pixels added on each side, so that windows up to 7 x 7 stay inside the arrays."""
+
+_ROWS = 256
+"""Rows of a picture worked on at a time."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +57,16 @@ class Canvas:
         """Numbers of the pixels set in a (H, W) mask, int32, in reading order."""
         row, col = np.divmod(np.flatnonzero(mask).astype(np.int32), np.int32(mask.shape[1]))
         return self.numbers(row, col)
+
+    def strips(self, mask: np.ndarray) -> Iterator[np.ndarray]:
+        """The same for some rows after the other: what is computed of them needs little memory."""
+        for start in range(0, len(mask), _ROWS):
+            yield self.cells(mask[start:start + _ROWS]) + np.int32(start * self.stride)
+
+    def put(self, mask: np.ndarray, cells: np.ndarray) -> None:
+        """Set pixels in a (H, W) mask, in place."""
+        row, col = self.places(cells)
+        mask[row, col] = True
 
     def numbers(self, row: np.ndarray, col: np.ndarray) -> np.ndarray:
         """Numbers of the pixels at rows and columns that do not count the rim."""
@@ -132,14 +145,23 @@ def mean_colours(canvas: Canvas, index: np.ndarray) -> np.ndarray:
     ndarray of shape (K, 4) and dtype float64
         RGBA, not premultiplied; weighted by alpha.
     """
-    some = index >= 0
-    label, rgba = index[some], unpack(canvas.bare(canvas.keys)[some])
-    count = np.bincount(label)
-    alpha = None if canvas.opaque else rgba[:, 3] / 255.0
-    covered = count.astype(np.float64) if alpha is None else np.bincount(label, alpha, count.size)
-    mean = np.empty((count.size, 4))
-    for channel in range(3):
-        weight = rgba[:, channel] if alpha is None else rgba[:, channel] * alpha
-        mean[:, channel] = np.bincount(label, weight, count.size) / np.maximum(covered, 1e-9)
-    mean[:, 3] = 255 * covered / np.maximum(count, 1)
+    total = np.zeros((6, int(index.max()) + 1 if index.size else 0))
+    for start in range(0, len(index), _ROWS):
+        some = index[start:start + _ROWS] >= 0
+        total += _sums(index[start:start + _ROWS][some], unpack(canvas.bare(canvas.keys)[start:start + _ROWS][some]),
+                       canvas.opaque, total.shape[1])
+    mean = total[:4].T
+    mean[:, :3] /= np.maximum(total[4:5].T, 1e-9)
+    mean[:, 3] = 255 * total[4] / np.maximum(total[5], 1)
     return mean
+
+
+def _sums(label: np.ndarray, rgba: np.ndarray, opaque: bool, count: int) -> np.ndarray:
+    """Sums (6, count) of what pixels of each label have of four channels, weighted by alpha, of alpha, and of 1."""
+    out = np.empty((6, count))
+    out[5] = np.bincount(label, minlength=count)
+    alpha = None if opaque else rgba[:, 3] / 255.0
+    out[3] = out[4] = out[5] if alpha is None else np.bincount(label, alpha, count)
+    for channel in range(3):
+        out[channel] = np.bincount(label, rgba[:, channel] if alpha is None else rgba[:, channel] * alpha, count)
+    return out

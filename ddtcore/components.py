@@ -15,6 +15,9 @@ import numpy as np
 
 _MIX = np.uint32(2654435761)
 
+_CHUNK = 1 << 20
+"""Pixels written at a time, and a run more."""
+
 
 def components(n: int, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Number the connected components of a graph.
@@ -148,9 +151,12 @@ class Areas(NamedTuple):
         """Write ``given[k]`` to the pixels of area k in a flat array, in place, unless it is negative."""
         runs = np.flatnonzero(given[self.number] >= 0)
         length = self.tails[runs] - self.heads[runs]
-        before = np.cumsum(length) - length
-        cells = np.arange(length.sum()) + np.repeat(self.heads[runs] - before, length)
-        values[cells] = np.repeat(given[self.number[runs]], length)
+        ends = np.cumsum(length)
+        cuts = np.searchsorted(ends, np.arange(_CHUNK, ends[-1] if runs.size else 0, _CHUNK))
+        for some, size in zip(np.split(runs, cuts), np.split(length, cuts)):
+            before = np.cumsum(size) - size
+            cells = np.arange(size.sum()) + np.repeat(self.heads[some] - before, size)
+            values[cells] = np.repeat(given[self.number[some]], size)
 
 
 def linked_areas(right: np.ndarray, down: np.ndarray) -> Areas:
@@ -183,6 +189,11 @@ def linked_areas(right: np.ndarray, down: np.ndarray) -> Areas:
     return Areas(heads, tails, number, np.bincount(number, tails - heads).astype(np.int64))
 
 
+def mask_areas(mask: np.ndarray) -> Areas:
+    """Number the connected areas of the pixels set in a mask (H, W); lone pixels are none."""
+    return linked_areas(mask[:, 1:] & mask[:, :-1], mask[1:] & mask[:-1])
+
+
 def block_areas(block: np.ndarray) -> Areas:
     """Number the connected areas that 2 x 2 blocks cover; blocks are connected where they share a pixel.
 
@@ -197,6 +208,40 @@ def block_areas(block: np.ndarray) -> Areas:
         for side in links:
             side |= block
     return linked_areas(right, down)
+
+
+def cell_components(cells: np.ndarray, values: np.ndarray, stride: int) -> np.ndarray:
+    """Number the connected areas of equal values among some pixels of a picture, corners included.
+
+    Parameters
+    ----------
+    cells : ndarray of shape (n,)
+        Numbers of the pixels, rising, in a picture with a rim.
+    values : ndarray of shape (n,)
+    stride : int
+        Step from a pixel to the one below it.
+
+    Returns
+    -------
+    ndarray of shape (n,) and dtype int32
+        Component of each pixel, numbered from 0 in reading order.
+    """
+    edges = [(np.zeros(0, np.intp), np.zeros(0, np.intp))]
+    for step in (1, stride - 1, stride, stride + 1):
+        place = next_among(cells, step)
+        near = np.flatnonzero((place >= 0) & (values[place] == values))
+        edges.append((near, place[near]))
+    return components(cells.size, *(np.concatenate(ends) for ends in zip(*edges)))
+
+
+def next_among(cells: np.ndarray, step: int) -> np.ndarray:
+    """For each of some pixels, rising, the place among them of the one that is a step farther, -1 if it's none."""
+    aim = cells + cells.dtype.type(step)
+    place = np.searchsorted(cells, aim)
+    place[place == cells.size] = 0
+    if cells.size:
+        place[cells[place] != aim] = -1
+    return np.asarray(place)
 
 
 def label_components(labels: np.ndarray, connectivity: int = 4) -> np.ndarray:

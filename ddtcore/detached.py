@@ -13,8 +13,9 @@ from typing import List, Tuple
 import numpy as np
 
 from .canvas import Canvas
-from .components import label_components
-from .surfaces import Surface
+from .components import components, next_among
+from .growing import Surface
+from .spans import renumber, spans_of
 
 OFF = 3.0
 """How far from its surface a pixel of a piece may be, levels of a channel."""
@@ -43,7 +44,7 @@ def join_detached(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface],
     ----------
     canvas : Canvas
     ramps : ndarray of shape (H, W) and dtype int32
-        Number of the ramp of each pixel, -1 where there is none.
+        Number of the ramp of each pixel, -1 where there is none; changed in place.
     surfaces : list of Surface
         The colours of each ramp.
     free : ndarray of shape (H, W) and dtype bool
@@ -57,7 +58,8 @@ def join_detached(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface],
     """
     into = _explained(canvas, ramps, surfaces)
     kept, number = np.unique(into, return_inverse=True)
-    ramps = np.append(number.ravel(), -1).astype(np.int32)[ramps]
+    if kept.size < into.size:
+        renumber(ramps, np.append(number.ravel(), -1).astype(np.int32))
     surfaces = [surfaces[k] for k in kept.tolist()]
     _add_free(canvas, ramps, surfaces, free)
     return ramps, surfaces
@@ -65,14 +67,13 @@ def join_detached(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface],
 
 def _explained(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface]) -> np.ndarray:
     """For each ramp a larger one whose surface explains it as well, or itself."""
-    cells = np.flatnonzero(ramps >= 0)
-    cells = cells[np.argsort(ramps.ravel()[cells], kind="stable")]
-    size = np.bincount(ramps.ravel()[cells], minlength=len(surfaces))
     into = np.arange(len(surfaces))
-    if not cells.size:
+    if not surfaces:
         return into
+    spans = spans_of(ramps, len(surfaces))
+    size = np.array([each.size for each in spans])
     share = (np.arange(_ASKED) + 0.5) / _ASKED
-    asked = cells[((np.cumsum(size) - size)[:, None] + size[:, None] * share).astype(np.intp)]
+    asked = np.stack([each.at((each.size * share).astype(np.intp)) for each in spans])
     row, col = np.divmod(asked, ramps.shape[1])
     points = np.stack([col, row], axis=-1) + 0.5
     colour = np.moveaxis(canvas.colours(canvas.numbers(row, col)), 0, -1)
@@ -96,38 +97,32 @@ def _add_free(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], free: 
     least = np.full(row.size, OFF)
     best = np.full(row.size, -1, np.int32)
     work = _WORK
-    for number, (top, bottom, left, right) in enumerate(_boxes(ramps, len(surfaces))):
-        first, last = np.searchsorted(row, [top - REACH, bottom + REACH])
-        some = first + np.flatnonzero((col[first:last] >= left - REACH) & (col[first:last] < right + REACH))
+    for number, spans in enumerate(spans_of(ramps, len(surfaces))):
+        rows, cols = spans.window(ramps.shape, REACH)
+        first, last = np.searchsorted(row, [rows.start, rows.stop])
+        some = first + np.flatnonzero((col[first:last] >= cols.start) & (col[first:last] < cols.stop))
         work -= some.size
         if surfaces[number].gradient is None or work < 0:
             continue
         off = np.abs(surfaces[number].colours(points[some]) - colour[some]).max(axis=1)
         nearer = off < least[some]
         least[some[nearer]], best[some[nearer]] = off[nearer], number
-    ramps[row, col] = _pieces(row, col, best, ramps)
+    found = np.flatnonzero(best >= 0)
+    found = found[_in_pieces(canvas, row[found], col[found], best[found])]
+    ramps[row[found], col[found]] = best[found]
 
 
-def _boxes(ramps: np.ndarray, count: int) -> np.ndarray:
-    """First and last row, and first and last column of each ramp, each last one excluded, (count, 4)."""
-    boxes = np.zeros((count, 4), np.intp)
-    for side, numbers in ((0, ramps), (2, ramps.T)):
-        place, other = np.nonzero(numbers >= 0)
-        number = numbers[place, other]
-        # Of several values for one place, the last one is kept.
-        boxes[number[::-1], side] = place[::-1]
-        boxes[number, side + 1] = place + 1
-    return boxes
-
-
-def _pieces(row: np.ndarray, col: np.ndarray, best: np.ndarray, ramps: np.ndarray) -> np.ndarray:
-    """The numbers `best` of pixels, but -1 for those of areas that are too small or one pixel narrow."""
-    number = np.full(ramps.shape, -1, np.int32)
-    number[row, col] = best
-    area = label_components(number)
-    wide = (area[1:, 1:] == area[:-1, 1:]) & (area[1:, 1:] == area[1:, :-1]) & (area[1:, 1:] == area[:-1, :-1])
-    size = np.bincount(area.ravel())
-    kept = np.zeros(size.size, bool)
-    kept[area[1:, 1:][wide]] = True
-    kept &= size >= AREA
-    return np.where(kept[area[row, col]], best, -1)
+def _in_pieces(canvas: Canvas, row: np.ndarray, col: np.ndarray, best: np.ndarray) -> np.ndarray:
+    """Which pixels, in reading order, belong to areas of one number that are neither small nor one pixel narrow."""
+    cells = canvas.numbers(row, col)
+    right, down = (next_among(cells, step) for step in (1, canvas.stride))
+    across, along = (np.flatnonzero((place >= 0) & (best[place] == best)) for place in (right, down))
+    area = components(cells.size, np.append(across, along), np.append(right[across], down[along]))
+    block = np.zeros((2, cells.size), bool)
+    block[0, across] = block[1, along] = True
+    wide = across[block[1, across] & block[1, right[across]]]
+    wide = wide[block[0, down[wide]]]
+    kept = np.zeros(cells.size, bool)
+    kept[area[wide]] = True
+    kept &= np.bincount(area, minlength=cells.size) >= AREA
+    return np.asarray(kept[area])

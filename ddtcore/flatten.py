@@ -16,6 +16,7 @@ import numpy as np
 from .canvas import premultiply
 from .model import Labels
 from .paint import local_colours
+from .sides import window
 
 _REACH = 2
 """How far from an outline pixels may be mixed, px."""
@@ -25,6 +26,9 @@ _SAME = 8.0
 
 _FOREIGN = 12.0
 """A pixel that is farther than this from all mixes keeps the difference, levels."""
+
+_ROWS, _CHUNK = 256, 1 << 17
+"""Rows of the picture painted at a time, and pixels mixed at a time."""
 
 
 def flatten(image: np.ndarray, labels: Labels) -> np.ndarray:
@@ -70,9 +74,22 @@ def remix(image: np.ndarray, labels: Labels, index: np.ndarray, origin: np.ndarr
     ndarray of shape (H, W, 4) and dtype uint8
     """
     out = image.copy()
-    inner = changed[index]
-    out[inner] = straightened(colours)[index[inner]]
+    painted = straightened(colours)
+    for start in range(0, len(index), _ROWS):
+        number = index[start:start + _ROWS]
+        inner = changed[number]
+        out[start:start + _ROWS][inner] = painted[number[inner]]
     cells, other = _pairs(index, changed)
+    cuts = np.unique(np.searchsorted(cells, cells[_CHUNK::_CHUNK]))
+    for some, others in zip(np.split(cells, cuts), np.split(other, cuts)):
+        at, mixed = _remixed(image, labels, index, origin, colours, changed, some, others)
+        out.reshape(-1, 4)[at] = straightened(mixed)
+    return out
+
+
+def _remixed(image: np.ndarray, labels: Labels, index: np.ndarray, origin: np.ndarray, colours: np.ndarray,
+             changed: np.ndarray, cells: np.ndarray, other: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Pixels, of those given (n,) with a region near each, and what they become."""
     own = index.ravel()[cells]
     row, col = np.divmod(cells, index.shape[1])
     points = np.stack([col + 0.5, row + 0.5], axis=1)
@@ -87,23 +104,45 @@ def remix(image: np.ndarray, labels: Labels, index: np.ndarray, origin: np.ndarr
     # Of several regions nearby, the one whose mix leaves the least.
     order = np.lexsort((rest, cells))
     best = order[np.append(True, np.diff(cells[order]) > 0)[:len(order)]]
-    out.reshape(-1, 4)[cells[best]] = straightened(mixed[best])
-    return out
+    return cells[best], mixed[best]
 
 
 def _pairs(index: np.ndarray, soft: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """Pixels, and other labels near each; one of the two labels is soft."""
-    height, width = index.shape
-    number = np.arange(index.size).reshape(index.shape)
-    found = []
-    for down in range(_REACH + 1):
-        for across in range(-_REACH if down else 1, _REACH + 1):
-            here = slice(0, max(height - down, 0)), slice(max(-across, 0), width - max(across, 0))
-            there = slice(down, height), slice(max(across, 0), width - max(-across, 0))
-            mixed = (index[here] != index[there]) & (soft[index[here]] | soft[index[there]])
-            for own, other in ((here, there), (there, here)):
-                found.append(number[own][mixed] * len(soft) + index[other][mixed])
-    return np.divmod(np.unique(np.concatenate(found)), len(soft))
+    framed = np.pad(index, _REACH, mode="edge")
+    row, col = np.divmod(np.flatnonzero(_near_borders(framed)), index.shape[1])
+    cells = (row + _REACH) * framed.shape[1] + col + _REACH
+    number = row * index.shape[1] + col
+    framed = framed.ravel()
+    own, other = framed[cells], np.full(cells.size, -1, framed.dtype)
+    known = soft[own]
+    more = [np.zeros(0, number.dtype)]
+    for step in window(index.shape[1] + 2 * _REACH, 1, _REACH):
+        near = framed[cells + step]
+        hit = np.flatnonzero((near != own) & (near != other) & (known | soft[near]))
+        # Few pixels are near several labels.
+        again = other[hit] >= 0
+        more.append(number[hit[again]] * len(soft) + near[hit[again]])
+        other[hit[~again]] = near[hit[~again]]
+    some = other >= 0
+    return np.divmod(np.unique(np.concatenate([number[some] * len(soft) + other[some], *more])), len(soft))
+
+
+def _near_borders(framed: np.ndarray) -> np.ndarray:
+    """Which pixels have another label in reach, and some of those nearby, of labels with a frame that wide."""
+    near = np.zeros(framed.shape, bool)
+    right, down = framed[:, 1:] != framed[:, :-1], framed[1:] != framed[:-1]
+    near[:, 1:] |= right
+    near[1:] |= down
+    wide = 2 * _REACH + 1
+    rows, cols = (side - wide + 1 for side in framed.shape)
+    across = np.zeros((len(near), cols), bool)
+    for k in range(wide):
+        across |= near[:, k:k + cols]
+    out = np.zeros((rows, cols), bool)
+    for k in range(wide):
+        out |= across[k:k + rows]
+    return out
 
 
 def _mix(colour: np.ndarray, here: np.ndarray, there: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:

@@ -8,12 +8,13 @@ of none, a linear, a radial and an elliptic one is taken.
 
 from __future__ import annotations
 
-from typing import NamedTuple, Optional, Tuple
+from typing import List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from .field import Field, Samples, first_field, refined, slopes, squares, total_error, unexplained, weighted_quantile
+from .field import Field, Samples, refined, squares, total_error, unexplained, weighted_quantile
 from .model import Gradient
+from .parallels import Parallels, first_field, parallels, slopes
 from .stops import BINS, choose_stops, profile
 
 PRICE = 16.0
@@ -67,23 +68,23 @@ def fit_gradient(samples: Samples, reach: np.ndarray, straight: bool = False) ->
     size = np.sqrt(np.average((samples.points - middle) ** 2, axis=0, weights=samples.count).sum())
     if size == 0:
         return None
-    unit = _Unit(middle, size)
-    cells, coarse = (_averaged(samples, most) for most in (_CELLS, _COARSE))
-    known = slopes(samples, max(_SQUARE, np.sqrt(len(samples.points)) / 8))
-    known = known._replace(points=unit.local(known.points))
-    local, coarse = (some._replace(points=unit.local(some.points)) for some in (cells, coarse))
-    region = _Region(cells, local, coarse, unit.local(reach), unit)
+    cells = _averaged(samples, _CELLS)
     best, least = None, _error(cells, np.average(cells.colour, axis=0, weights=cells.count))
     exact = _EXACT * samples.count.sum() * cells.colour.shape[1]
-    for kind, elliptic in _KINDS[:1] if straight else _KINDS:
-        if least <= exact + PRICE * BYTES:
-            break
-        field = first_field(known, coarse, kind, elliptic)
-        gradient = None if field is None else _fitted(field, region, least)
-        if gradient is not None:
-            cost = _error(cells, colours_at(gradient, cells.points)) + price(gradient)
-            if cost < least:
-                best, least = gradient, cost
+    if least <= exact + PRICE * BYTES:
+        return None
+    unit = _Unit(middle, size)
+    slope = slopes(samples, max(_SQUARE, np.sqrt(len(samples.points)) / 8))
+    known = parallels(slope._replace(points=unit.local(slope.points)))
+    local, coarse = (some._replace(points=unit.local(some.points)) for some in (cells, _averaged(cells, _COARSE)))
+    region = _Region(cells, local, coarse, unit.local(reach), unit)
+    for candidate in _candidates(known, region, straight, exact):
+        if candidate.least >= least:
+            continue
+        gradient = _fitted(candidate, region)
+        cost = _error(cells, colours_at(gradient, cells.points)) + price(gradient)
+        if cost < least:
+            best, least = gradient, cost
     return best
 
 
@@ -108,18 +109,41 @@ class _Region(NamedTuple):
     unit: _Unit
 
 
-def _fitted(field: Field, region: _Region, least: float) -> Optional[Gradient]:
-    """The best gradient like a given field; None if even free colours along it cost more than `least`."""
+class _Candidate(NamedTuple):
+    field: Field
+    off: np.ndarray      # (n, C) what even free colours along it leave of the local samples
+    least: float         # what its gradient costs at least
+
+
+def _candidates(known: Tuple[Parallels, Parallels], region: _Region, straight: bool,
+                exact: float) -> List[_Candidate]:
+    """The best field of each kind, up to the first that explains all; the most promising kind comes first.
+
+    It is the stops that take long, and other kinds seldom need them then.
+    """
+    found = []
+    for kind, elliptic in _KINDS[:1] if straight else _KINDS:
+        field = first_field(known, region.coarse, kind, elliptic)
+        if field is not None:
+            field = refined(field, region.coarse)
+            off = unexplained(field, region.local)
+            error = total_error(off, region.local.count)
+            found.append(_Candidate(field, off, error + PRICE * (BYTES + elliptic * ELLIPSE_BYTES)))
+            if error <= exact:
+                break
+    kinds = [candidate.field.kind for candidate in sorted(found, key=lambda one: one.least)]
+    return sorted(found, key=lambda one: one.field.kind != kinds[0])
+
+
+def _fitted(candidate: _Candidate, region: _Region) -> Gradient:
+    """The best gradient like a field."""
+    field, off, _ = candidate
     samples = region.local
-    field, _ = refined(field, region.coarse)
-    off = unexplained(field, samples)
-    if total_error(off, samples.count) + PRICE * BYTES >= least:
-        return None
     square = (off ** 2).sum(axis=1)
     trust = 1 / (1 + square / (9 * weighted_quantile(square, samples.count, 0.7) + 9)) ** 2
     if np.average(trust < 0.5, weights=samples.count) > _STRAY:
         samples = samples._replace(count=samples.count * trust)
-        field, _ = refined(field, samples)
+        field = refined(field, samples)
     return _with_stops(field, region, samples)
 
 
@@ -139,7 +163,7 @@ def _averaged(samples: Samples, most: int) -> Samples:
     side = np.ceil(np.sqrt(samples.count.sum() / most))
     if side <= 1:
         return samples
-    number, cells = squares(samples.points, side)
+    number, cells, _ = squares(samples.points, side, most)
     count = np.bincount(number, samples.count, cells)
 
     def mean(values: np.ndarray) -> np.ndarray:
@@ -217,8 +241,12 @@ def colours_at(gradient: Gradient, points: np.ndarray) -> np.ndarray:
     offsets = np.array([stop[0] for stop in gradient.stops])
     stops = np.array([(*stop[1], 255 * stop[2]) for stop in gradient.stops], float)
     place = offsets_at(gradient, points)
-    colour = np.stack([np.interp(place, offsets, channel) for channel in stops.T], axis=1)
-    colour[:, :3] *= colour[:, 3:] / 255
+    colour = np.empty((len(points), 4))
+    for channel in range(4):
+        same = (stops[:, channel] == stops[0, channel]).all()
+        colour[:, channel] = stops[0, channel] if same else np.interp(place, offsets, stops[:, channel])
+    if (stops[:, 3] < 255).any():
+        colour[:, :3] *= colour[:, 3:] / 255
     return colour
 
 
@@ -230,5 +258,5 @@ def offsets_at(gradient: Gradient, points: np.ndarray) -> np.ndarray:
     if gradient.kind == "linear":
         return np.asarray(offset.dot(along) / max(along.dot(along), 1e-12))
     across = np.array(gradient.across) - start if gradient.across else np.array([-along[1], along[0]])
-    frame = np.stack([along, across], axis=1)
-    return np.asarray(np.hypot(*np.linalg.solve(frame, offset.T)))
+    share = offset.dot(np.linalg.inv(np.stack([along, across])))
+    return np.asarray(np.sqrt(np.einsum("nk,nk->n", share, share)))

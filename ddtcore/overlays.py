@@ -15,14 +15,14 @@ import numpy as np
 
 from . import shades
 from .canvas import Canvas, planes
-from .components import label_components
+from .components import cell_components
 from .gradient import PRICE
+from .growing import Surface
 from .hairlines import Inks
 from .mixes import length, segment_distance
 from .palette import MANY as MOST
 from .palette import Plateaus
 from .sides import SLOTS, near_samples, window
-from .surfaces import Surface
 
 LEAST = 10.0
 """Smallest distance of a drawn pixel from all mixes of what surrounds it, levels."""
@@ -83,7 +83,7 @@ def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: 
     keys : ndarray of shape (K,) and dtype uint32
         Colours of large plateaus, packed.
     labels : ndarray of shape (P,) and dtype int32
-        Which of them each pixel has, with the rim, else negative.
+        Which of them each pixel has, with the rim, else negative; not to be used any more.
 
     Returns
     -------
@@ -94,9 +94,9 @@ def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: 
         their pixels vary by what they cover of them.
     """
     count = len(surfaces)
-    known = canvas.rimmed(ramps, -1)
-    plain = (labels >= 0) & (known < 0)
-    known[plain] = labels[plain] + count
+    known = labels
+    np.add(known, np.int32(count), out=known, where=known >= 0)
+    np.copyto(canvas.bare(known), ramps, where=ramps >= 0)
     cells = canvas.cells(canvas.bare(known) < 0)
     samples, _ = near_samples(known, cells, canvas.stride)
     beside = (samples >= 0) & (known[samples] < count)
@@ -153,11 +153,7 @@ def _unexplained(here: np.ndarray, sides: np.ndarray, samples: np.ndarray) -> np
 
 def _areas(canvas: Canvas, cells: np.ndarray, off: np.ndarray) -> np.ndarray:
     """Numbers of connected pixels that are all lighter, or all darker, than the ramp."""
-    side = np.zeros(canvas.shape, np.int8)
-    row, col = canvas.places(cells)
-    side[row, col] = np.where(off.sum(axis=0) > 0, 1, 2)
-    _, number = np.unique(label_components(side, 8)[row, col], return_inverse=True)
-    return number
+    return cell_components(cells, off.sum(axis=0) > 0, canvas.stride)
 
 
 def _thin(search: Inks, area: np.ndarray, chosen: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:

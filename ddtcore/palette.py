@@ -37,9 +37,6 @@ ELBOWS = 3
 HARD = 0.95
 """Share of palette colours among the pixels that are no plateaus from which edges count as hard."""
 
-_CHUNK = 1 << 18
-"""Pixels looked at together."""
-
 _WEIGHED = 48
 _SAMPLE = 1 << 12
 _FEW = 1 << 14
@@ -107,16 +104,22 @@ def _sound_blocks(canvas: Canvas, block: np.ndarray, weak: np.ndarray) -> np.nda
     """Colours of the blocks of `weak` ones (rising) that do not lie between two equal pairs of pixels."""
     if not weak.size:
         return weak
-    at = canvas.cells(block)
     key, down = canvas.keys, canvas.stride
-    place = np.searchsorted(weak, key[at])
-    at = at[weak[np.minimum(place, weak.size - 1)] == key[at]]
+    at = np.concatenate([cells[_has_one(key[cells], weak)] for cells in canvas.strips(block)])
     sound = np.ones(at.size, bool)
     for across, along in ((down, 1), (1, down)):
         side = key[at - across]
         sound &= ~((side == key[at + 2 * across]) & (side == key[at - across + along])
                    & (side == key[at + 2 * across + along]))
     return np.asarray(key[at[sound]])
+
+
+def _has_one(here: np.ndarray, keys: np.ndarray) -> np.ndarray:
+    """Which pixels, row by row, have one of the colours `keys` (rising)."""
+    # Most pixels of plateaus equal the one before them.
+    heads = np.flatnonzero(np.append(True, here[1:] != here[:-1])[:here.size])
+    place = np.minimum(np.searchsorted(keys, here[heads]), keys.size - 1)
+    return np.repeat(keys[place] == here[heads], np.diff(np.append(heads, here.size)))
 
 
 def plain_colours(canvas: Canvas) -> np.ndarray:
@@ -215,20 +218,21 @@ def known_labels(canvas: Canvas, plateaus: Plateaus, keys: np.ndarray, noise: fl
     colours = planes(keys, canvas.opaque)
     plain = ~(is_mixed(colours, colours) | _has_twin(colours))
     plain[_WEIGHED:] = False
-    cells = canvas.cells(~plateaus.core | (canvas.bare(labels) < 0))
-    here = labels[cells]
-    sure = here >= 0
-    if np.count_nonzero(sure) <= HARD * cells.size:
-        asked = np.flatnonzero(sure & plain[here])
-        sure[:] = False
-        sure[asked] = _touches_equal(labels, cells[asked], canvas.stride)
-    for start in range(0, cells.size, _CHUNK):
-        part = slice(start, start + _CHUNK)
-        here[part] = _nearest_within(canvas, cells[part], colours, noise)
-    labels[cells] = here
-    asked = np.flatnonzero(~sure & (here >= 0))
-    sure[asked] = _in_block(labels, cells[asked], canvas.stride)
-    labels[cells[~sure]] = -1
+    bare = canvas.bare(labels)
+    asked = bare < 0
+    asked |= ~plateaus.core
+    sure = ~asked
+    exact = asked & (bare >= 0)
+    if np.count_nonzero(exact) > HARD * np.count_nonzero(asked):
+        sure |= exact
+    else:
+        for cells in canvas.strips(exact & np.append(plain, False)[bare]):
+            canvas.put(sure, cells[_touches_equal(labels, cells, canvas.stride)])
+    for cells in canvas.strips(asked):
+        labels[cells] = _nearest_within(canvas, cells, colours, noise)
+    for cells in canvas.strips(~sure & (bare >= 0)):
+        canvas.put(sure, cells[_in_block(labels, cells, canvas.stride)])
+    bare[~sure] = -1
     return labels
 
 
@@ -253,9 +257,12 @@ def _has_twin(colours: np.ndarray) -> np.ndarray:
 
 def _nearest_within(canvas: Canvas, cells: np.ndarray, colours: np.ndarray, margin: float) -> np.ndarray:
     """The label whose colour is within a margin of the pixel's in each channel, else or if undecided -1."""
-    here = canvas.colours(cells)
-    label = np.full(cells.size, -1, np.int32)
-    least = np.full(cells.size, margin + 0.5, np.float32)
+    # Along a row of a ramp, pixels equal the one before them more often than not.
+    keys = canvas.keys[cells]
+    heads = np.flatnonzero(np.append(True, keys[1:] != keys[:-1])[:cells.size])
+    here = planes(keys[heads], canvas.opaque)
+    label = np.full(heads.size, -1, np.int32)
+    least = np.full(heads.size, margin + 0.5, np.float32)
     for k, colour in enumerate(colours.T):
         off = np.abs(here[0] - colour[0])
         for plane, level in zip(here[1:], colour[1:]):
@@ -263,7 +270,7 @@ def _nearest_within(canvas: Canvas, cells: np.ndarray, colours: np.ndarray, marg
         label[off == least] = -1
         nearer = off < least
         label[nearer], least[nearer] = k, off[nearer]
-    return label
+    return np.repeat(label, np.diff(np.append(heads, cells.size)))
 
 
 def _touches_equal(labels: np.ndarray, cells: np.ndarray, stride: int) -> np.ndarray:

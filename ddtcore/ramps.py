@@ -15,7 +15,7 @@ from typing import Tuple
 import numpy as np
 
 from .canvas import Canvas, planes
-from .components import block_areas, components, label_components
+from .components import block_areas, components, linked_areas
 from .gradient import BYTES, PRICE
 from .model import Labels
 from .sides import window
@@ -189,18 +189,31 @@ def absorb_pieces(canvas: Canvas, labels: np.ndarray, slopes: np.ndarray) -> Non
     slopes : ndarray of shape (H, W) and dtype int32
         Number of the ramp of each pixel, -1 where there is none.
     """
-    plateau = label_components(np.where(slopes >= 0, -2, canvas.bare(labels)))
-    size = np.bincount(plateau.ravel())
-    small = (size[plateau] < PIECE) & (canvas.bare(labels) >= 0) & (slopes < 0)
+    small, number, size = _small_plateaus(canvas.bare(labels), slopes)
     cells = canvas.cells(small)
     here = canvas.colours(cells)
     sloped = canvas.rimmed(slopes >= 0, False)
     like = np.zeros(cells.size, bool)
     for step in window(canvas.stride, 1, 3):
         like |= sloped[cells + step] & (np.abs(canvas.colours(cells + step) - here).max(axis=0) < SOFT)
-    plateau = plateau[small]
-    share = np.bincount(plateau, like, size.size) / size
-    labels[cells[share[plateau] >= 0.5]] = -1
+    share = np.bincount(number, like, size.size) / size
+    labels[cells[share[number] >= 0.5]] = -1
+
+
+def _small_plateaus(labels: np.ndarray, slopes: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Which pixels belong to small plateaus, the plateau of each of them in reading order, and their sizes."""
+    small = labels >= 0
+    small &= slopes < 0
+    right, down = labels[:, 1:] == labels[:, :-1], labels[1:] == labels[:-1]
+    for links, one, other in ((right, small[:, 1:], small[:, :-1]), (down, small[1:], small[:-1])):
+        links &= one
+        links &= other
+    areas = linked_areas(right, down)
+    areas.put(small.ravel(), np.where(areas.size < PIECE, -1, 0))
+    number = areas.at(np.flatnonzero(small))
+    lone = np.flatnonzero(number < 0)
+    number[lone] = np.arange(areas.size.size, areas.size.size + lone.size)
+    return small, number, np.append(areas.size, np.ones(lone.size, np.int64))
 
 
 def mark_slopes(canvas: Canvas, labels: Labels) -> Labels:

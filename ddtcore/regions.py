@@ -112,9 +112,12 @@ def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
         canvas.bare(labels)[slopes >= 0] = slopes[slopes >= 0] + keys.size
         colours = np.concatenate([colours, mean_colours(canvas, slopes)])
 
+    # A large picture should not be held more often than needed.
+    del slopes, plateaus
     thin, specks = _label_unknown(canvas, labels, ridges, keys, colours, doubt)
-    result = Labels(index=np.ascontiguousarray(canvas.bare(labels)), palette=colours,
-                    thin=np.ascontiguousarray(canvas.bare(thin)), ramp=np.arange(len(colours)) >= keys.size,
+    index, thin = (np.ascontiguousarray(canvas.bare(plane)) for plane in (labels, thin))
+    del labels
+    result = Labels(index=index, palette=colours, thin=thin, ramp=np.arange(len(colours)) >= keys.size,
                     gradients=(*[None] * keys.size, *gradients[:count]))
     result = merging.merge_twins(result, canvas.mixing(colours))
     if specks > DITHER * cells.size + 10:

@@ -9,12 +9,12 @@ and for strokes too narrow to have such, by pixels that none of these directions
 
 from __future__ import annotations
 
-from typing import Iterator, Tuple
+from typing import List, Sequence, Tuple
 
 import numpy as np
 
 from .canvas import Canvas
-from .components import block_areas, label_components
+from .components import cell_components, components, next_among
 from .mixes import length
 from .sides import window
 
@@ -37,6 +37,9 @@ CORES, KINDS = 64, 6
 """Most evenly changed places of an area that are looked at, the largest ones; and most directions."""
 
 _FAR, _MOST = 1e3, 20.0
+
+
+_Beside = Tuple[np.ndarray, np.ndarray]
 
 
 def part(canvas: Canvas, cells: np.ndarray, off: np.ndarray, area: np.ndarray) -> np.ndarray:
@@ -62,7 +65,8 @@ def part(canvas: Canvas, cells: np.ndarray, off: np.ndarray, area: np.ndarray) -
     owner = np.full(size.size, -1, area.dtype)
     owner[core[inside]] = area[inside]
     change = np.stack([np.bincount(core[inside], plane[inside], size.size) for plane in off])
-    alike = _alike(canvas, cells, off, area)
+    near = _neighbours(canvas, cells, area)
+    alike = _alike(near, off)
     unlikeness = np.full((KINDS, area.size), _FAR)
     unlikeness[0] = 0
     count = np.bincount(area)
@@ -81,31 +85,37 @@ def part(canvas: Canvas, cells: np.ndarray, off: np.ndarray, area: np.ndarray) -
             most = unlike & (beside >= np.percentile(beside[unlike], 75))
             kinds = np.append(kinds, _direction(some[:, most].sum(axis=1, keepdims=True)), axis=1)
         unlikeness[:kinds.shape[1], members[number]] = np.minimum(_distance(some, kinds), _MOST)
-    kind = _smooth(canvas, cells, area, unlikeness).argmin(axis=0)
+    kind = _smooth(near, unlikeness).argmin(axis=0)
     for _ in range(2):
         scrap = np.flatnonzero(_sizes(canvas, cells, area * KINDS + kind) < AREA)
         unlikeness[kind[scrap], scrap] = _FAR
-        kind = _smooth(canvas, cells, area, unlikeness).argmin(axis=0)
+        kind = _smooth(near, unlikeness).argmin(axis=0)
     return np.unique(area * KINDS + kind, return_inverse=True)[1].ravel()
 
 
 def _cores(canvas: Canvas, cells: np.ndarray, off: np.ndarray, area: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """Number of the evenly changed place that each pixel belongs to, -1 for none, and the sizes of these."""
-    place = np.full(canvas.shape, -1, np.int32)
-    row, col = canvas.places(cells)
-    place[row, col] = np.arange(cells.size)
-    right, down = (_even(one, other, off, area)
-                   for one, other in ((place[:, :-1], place[:, 1:]), (place[:-1], place[1:])))
-    block = right[1:] & right[:-1] & down[:, 1:] & down[:, :-1]
-    cores = block_areas(block)
-    return cores.at(row * canvas.shape[1] + col), cores.size
+    right, down = (next_among(cells, step) for step in (1, canvas.stride))
+    across, along = (_even(place, off, area) for place in (right, down))
+    corner = np.flatnonzero(across & along)
+    first, second = right[corner], down[corner]
+    block = along[first] & across[second]
+    corner, first, second = corner[block], first[block], second[block]
+    last = down[first]
+    inside = np.zeros(cells.size, bool)
+    for some in (corner, first, second, last):
+        inside[some] = True
+    core = components(cells.size, np.tile(corner, 3), np.concatenate([first, second, last]))
+    number = np.full(cells.size, -1, np.int64)
+    _, number[inside] = np.unique(core[inside], return_inverse=True)
+    return number, np.bincount(number[inside])
 
 
-def _even(one: np.ndarray, other: np.ndarray, off: np.ndarray, area: np.ndarray) -> np.ndarray:
-    """Which neighbours, by their places among all or -1, are in one area and changed alike."""
-    even = (one >= 0) & (other >= 0)
-    a, b = one[even], other[even]
-    even[even] = (area[a] == area[b]) & (np.abs(off[:, a] - off[:, b]).max(axis=0) <= EVEN)
+def _even(place: np.ndarray, off: np.ndarray, area: np.ndarray) -> np.ndarray:
+    """Which pixels have one beside them, given its place among all or -1, in the same area and changed alike."""
+    even = place >= 0
+    a, b = np.flatnonzero(even), place[even]
+    even[a] = (area[a] == area[b]) & (np.abs(off[:, a] - off[:, b]).max(axis=0) <= EVEN)
     return even
 
 
@@ -139,36 +149,33 @@ def _beside(off: np.ndarray, kinds: np.ndarray) -> Tuple[np.ndarray, np.ndarray]
     return beside, beside > np.maximum(OFF, SHARE * size)
 
 
-def _smooth(canvas: Canvas, cells: np.ndarray, area: np.ndarray, values: np.ndarray) -> np.ndarray:
+def _smooth(near: Sequence[_Beside], values: np.ndarray) -> np.ndarray:
     """Sums of the values (n, N) of each pixel and of the pixels of its area round it."""
     total = 2 * values
-    for same, beside in _neighbours(canvas, cells, area):
+    for same, beside in near:
         total[:, same] += values[:, beside]
     return total
 
 
-def _alike(canvas: Canvas, cells: np.ndarray, off: np.ndarray, area: np.ndarray) -> np.ndarray:
+def _alike(near: Sequence[_Beside], off: np.ndarray) -> np.ndarray:
     """Which pixels are changed like one beside them in their area."""
-    alike = np.zeros(cells.size, bool)
-    for same, beside in _neighbours(canvas, cells, area):
+    alike = np.zeros(off.shape[1], bool)
+    for same, beside in near:
         alike[same] |= np.abs(off[:, beside] - off[:, same]).max(axis=0) <= EVEN
     return alike
 
 
-def _neighbours(canvas: Canvas, cells: np.ndarray, area: np.ndarray) -> Iterator[Tuple[np.ndarray, np.ndarray]]:
+def _neighbours(canvas: Canvas, cells: np.ndarray, area: np.ndarray) -> List[_Beside]:
     """For each of eight directions, which pixels have a neighbour in their area, and which one."""
-    place = np.full(canvas.keys.size, -1, np.int32)
-    place[cells] = np.arange(cells.size)
-    for step in window(canvas.stride, 1, 1):
-        beside = place[cells + step]
-        same = np.flatnonzero((beside >= 0) & (area[beside] == area))
-        yield same, beside[same]
+    found = []
+    for step in window(canvas.stride, 1, 1).tolist():
+        beside = next_among(cells, step)
+        same = np.flatnonzero((beside >= 0) & (area[beside] == area)).astype(np.int32)
+        found.append((same, beside[same].astype(np.int32)))
+    return found
 
 
 def _sizes(canvas: Canvas, cells: np.ndarray, number: np.ndarray) -> np.ndarray:
     """How many connected pixels with equal numbers each of some pixels belongs to."""
-    whole = np.full(canvas.shape, -1, np.int64)
-    row, col = canvas.places(cells)
-    whole[row, col] = number
-    piece = label_components(whole, 8)
-    return np.asarray(np.bincount(piece.ravel())[piece[row, col]])
+    piece = cell_components(cells, number, canvas.stride)
+    return np.asarray(np.bincount(piece)[piece])

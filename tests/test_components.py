@@ -6,7 +6,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ddtcore.components import block_areas, components, label_components, link_components, linked_areas
+from ddtcore.components import (
+    block_areas,
+    cell_components,
+    components,
+    label_components,
+    link_components,
+    linked_areas,
+    mask_areas,
+)
 
 
 def search(n, a, b):
@@ -134,3 +142,25 @@ def test_blocks_are_areas_where_they_share_pixels():
     expected[:2, :2] = expected[1:3, 1:3] = 0
     expected[3:, 5:7] = 1
     assert np.array_equal(areas, expected) and found.size.tolist() == [7, 6]
+
+
+@pytest.mark.parametrize("share", [0.1, 0.4, 0.8])
+def test_areas_among_some_pixels_are_those_of_the_whole_picture(share):
+    random = np.random.RandomState(12)
+    values = np.pad(random.randint(0, 2, (40, 50)), 1, mode="constant", constant_values=-1)
+    values[random.rand(*values.shape) > share] = -1
+    cells = np.flatnonzero(values >= 0)
+    found = cell_components(cells, values.ravel()[cells], values.shape[1])
+    number = label_components(values, 8).ravel()[cells]
+    np.testing.assert_array_equal(found, np.unique(number, return_inverse=True)[1].ravel())
+
+
+def test_areas_of_a_mask_are_those_of_its_pixels_but_lone_ones():
+    mask = np.random.RandomState(13).rand(40, 50) < 0.5
+    areas = mask_areas(mask)
+    number = label_components(np.where(mask, 1, np.arange(mask.size).reshape(mask.shape) + 2)).ravel()
+    cells = np.flatnonzero(mask)
+    found, size = areas.at(cells), np.bincount(number)[number[cells]]
+    assert ((found < 0) == (size == 1)).all()
+    np.testing.assert_array_equal(areas.size[found[found >= 0]], size[size > 1])
+    assert np.unique(found[found >= 0]).size == np.unique(number[cells][size > 1]).size

@@ -7,10 +7,10 @@ import pytest
 from ddtcore.canvas import prepare
 from ddtcore.detached import AREA, join_detached
 from ddtcore.gradient import colours_at
+from ddtcore.growing import Surface
 from ddtcore.model import Gradient
 from ddtcore.options import TraceOptions
 from ddtcore.regions import label_pixels
-from ddtcore.surfaces import Surface
 
 HEIGHT, WIDTH = 30, 60
 GRADIENT = Gradient("linear", (0.0, 0.0), (60.0, 0.0), ((0.0, (240, 120, 0), 1.0), (1.0, (250, 210, 60), 1.0)))

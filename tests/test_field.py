@@ -6,7 +6,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ddtcore.field import Field, Samples, first_field, refined, slopes, squares, total_error, weighted_quantile
+from ddtcore.field import Field, Samples, refined, squares, total_error, unexplained, weighted_quantile
+from ddtcore.parallels import first_field, parallels, slopes
 
 LINEAR = Field("linear", np.array([0.7]))
 CIRCLE = Field("radial", np.array([0.3, -0.4]))
@@ -35,7 +36,7 @@ def test_changes_are_the_derivatives_of_the_places(field):
         moved = field.values.copy()
         moved[k] += step
         numeric = (Field(field.kind, moved).places(points()) - field.places(points())) / step
-        np.testing.assert_allclose(field.changes(points())[:, k], numeric, atol=1e-3)
+        np.testing.assert_allclose(field.changes(points(), field.places(points()))[:, k], numeric, atol=1e-3)
 
 
 def test_places_are_lengths_along_the_axis_and_distances_from_the_centre():
@@ -53,18 +54,18 @@ def test_fields_are_found_whatever_the_colours_along_them(field, shape):
         return np.stack([200 * np.abs(place - place.mean()), 0 * place, 0 * place], axis=1)
 
     known = samples(field, ridge) if shape == "ridge" else samples(field)
-    found = first_field(slopes(known, 0.25), known, field.kind, len(field.values) == 4)
-    found, off = refined(found, known)
+    found = first_field(parallels(slopes(known, 0.25)), known, field.kind, len(field.values) == 4)
+    found = refined(found, known)
     assert same(found, field) < 0.01
     # A ridge lies between two of the places where the free colours can bend.
-    assert np.abs(off).max() < (20 if shape == "ridge" else 0.1)
+    assert np.abs(unexplained(found, known)).max() < (20 if shape == "ridge" else 0.1)
 
 
 def test_steep_edges_do_not_outvote_the_slopes():
     known = samples(LINEAR)
     edge = np.abs(known.points[:, 0] - 0.9) < 0.02
     known.colour[edge] = 255
-    assert same(first_field(slopes(known, 0.25), known, "linear"), LINEAR) < 0.1
+    assert same(first_field(parallels(slopes(known, 0.25)), known, "linear"), LINEAR) < 0.1
 
 
 def test_a_centre_out_of_reach_is_no_radial_field():
@@ -82,8 +83,8 @@ def test_slopes_are_those_of_planes():
 
 
 def test_squares_number_the_points_they_hold():
-    number, count = squares(np.array([[0, 0], [0.9, 0.9], [1.1, 0], [7, 7], [7.5, 7.9]]), 1.0)
-    assert number.tolist() == [0, 0, 1, 2, 2] and count == 3
+    number, count, side = squares(np.array([[0, 0], [0.9, 0.9], [1.1, 0], [7, 7], [7.5, 7.9]]), 1.0)
+    assert number.tolist() == [0, 0, 1, 2, 2] and (count, side) == (3, 1.0)
 
 
 def test_a_quantile_goes_by_weight():
@@ -103,5 +104,5 @@ def test_a_bent_strip_tells_the_axis_of_what_changes_along_it(angle):
     # Across the strip, its edges are mixed with what is round it.
     colour = np.stack([120 + place, 90 - 0.5 * place], axis=1) + 20 * (across.reshape(-1, 1) > 0)
     samples = Samples(points / 50, colour, np.ones(len(points)))
-    field = first_field(slopes(samples, 0.1), samples, "linear")
+    field = first_field(parallels(slopes(samples, 0.1)), samples, "linear")
     assert abs(np.sin(field.values[0] - angle)) < 0.1

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ddtcore.stops import choose_stops, hats, profile
+from ddtcore.stops import choose_stops, profile
 
 PLACE = np.linspace(0, 1, 4001)
 KNOWN = [
@@ -21,19 +21,6 @@ KNOWN = [
 def along(offsets, colours, place=PLACE):
     """Colours (n, C) between stops."""
     return np.stack([np.interp(place, offsets, channel) for channel in np.array(colours, float).T], axis=1)
-
-
-@pytest.mark.parametrize("knots", [(0, 1), (0.2, 0.8), (0, 0.3, 1), (0.1, 0.4, 0.6, 0.7)])
-def test_shares_interpolate_like_stops(knots):
-    values = np.random.RandomState(3).rand(len(knots), 2)
-    share = hats(PLACE, np.array(knots))
-    np.testing.assert_allclose(share.sum(axis=1), 1)
-    np.testing.assert_allclose(share.dot(values), along(knots, values), atol=1e-12)
-
-
-def test_shares_of_many_lists_of_knots_are_those_of_each():
-    knots = np.sort(np.random.RandomState(4).rand(5, 3), axis=1)
-    np.testing.assert_array_equal(hats(PLACE, knots), [hats(PLACE, k) for k in knots])
 
 
 @pytest.mark.parametrize("offsets, colours", KNOWN)

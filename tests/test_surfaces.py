@@ -37,7 +37,7 @@ def fading_gloss(base):
 def parted(image):
     canvas = prepare(image)
     ramps, count = find_ramps(canvas)
-    return (ramps, count, *separate(canvas, ramps, count, np.zeros(ramps.shape, bool)))
+    return (ramps, count, *separate(canvas, ramps.copy(), count, np.zeros(ramps.shape, bool)))
 
 
 def flat(rgb):
@@ -96,7 +96,7 @@ def test_ramps_are_extended_to_free_pixels_of_their_colours():
     image[64:70, 10:20] = 255
     ramps = np.where(Y < 60, 0, -1).astype(np.int32)
     free = (Y < 80) & (X < 40)
-    out, _ = separate(prepare(image), ramps, 1, free)
+    out, _ = separate(prepare(image), ramps.copy(), 1, free)
     spot = (image[..., :3] == 255).all(axis=2)
     assert (out[(ramps == 0) | free & ~spot] == 0).all()
     assert (out[spot | (ramps < 0) & ~free] == -1).all()
