@@ -31,7 +31,7 @@ _ROWS = 256
 _LEAST = 4
 """Regions with fewer pixels that stand out are judged by all their pixels."""
 
-_STRONG = 0.8
+_STRONG = 0.93
 """Pixels of a narrow region stand out that differ from what is round it by this share of the most."""
 
 
