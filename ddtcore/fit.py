@@ -35,7 +35,7 @@ SHRINKING = 0.2
 SPILL = 0.02
 """How far curves may bulge over the border of the picture, px."""
 
-FAINT, SOFT = 16.0, 64.0
+FAINT, SOFT = 16.0, 48.0
 """Difference of two colours, of 255, at which the tolerance doubles; and beside a gradient."""
 
 
