@@ -24,7 +24,7 @@ from .surfaces import Surface
 AREA = 64
 """Largest scrap, px²."""
 
-BYTES = 400
+BYTES = 250
 """Size of what a scrap adds to the file: its path, and the notches in its neighbours."""
 
 EVEN = 0.5
