@@ -16,8 +16,10 @@ from . import bezier
 from .arclength import Arclength
 from .corner import find_corners
 from .cubic import Ends, Fit, Track
+from .loops import ranges
 from .model import CUBIC, LINE, Curves, Labels, PlanarMap, Polylines
 from .options import TraceOptions
+from .paint import local_colours
 from .polish import Target, Wire, polish
 from .position import premultiplied
 from .quadratic import fit_quadratics, polygons
@@ -33,8 +35,8 @@ SHRINKING = 0.2
 SPILL = 0.02
 """How far curves may bulge over the border of the picture, px."""
 
-FAINT = 16.0
-"""Difference of two colours, of 255, at which the tolerance doubles."""
+FAINT, SOFT = 16.0, 48.0
+"""Difference of two colours, of 255, at which the tolerance doubles; and beside a gradient."""
 
 
 def fit_arcs(image: np.ndarray, labels: Labels, planar: PlanarMap, lines: Polylines,
@@ -64,7 +66,10 @@ def fit_arcs(image: np.ndarray, labels: Labels, planar: PlanarMap, lines: Polyli
     colours = premultiplied(labels.palette[planar.face_labels])
     colours[0] = 0
     step = colours[planar.left] - colours[planar.right]
-    tolerance = np.minimum(_tolerances(step, options.tolerance + lines.slack), _room(planar))[runs.arc]
+    tolerance = _tolerances(step, options.tolerance + lines.slack)
+    soft = np.flatnonzero(_beside_gradients(labels, planar))
+    tolerance[soft] = _soft_tolerances(labels, planar, lines, soft, (options.tolerance + lines.slack)[soft])
+    tolerance = np.minimum(tolerance, _room(planar))[runs.arc]
     segments = fit_runs(runs, tolerance)
     held = (runs.places == 0) | (runs.places == np.asarray(size))
     inner = planar.left != 0
@@ -86,6 +91,30 @@ def _tolerances(step: np.ndarray, tolerance: np.ndarray) -> np.ndarray:
     its pixels tell where it lies, and the less anybody sees of it.
     """
     return np.asarray(tolerance * (1 + FAINT / np.maximum(np.abs(step).max(axis=1), 1)))
+
+
+def _beside_gradients(labels: Labels, planar: PlanarMap) -> np.ndarray:
+    """Which arcs have a gradient on one side at least and no border of the picture on the other, bool (A,)."""
+    soft = np.array([gradient is not None for gradient in labels.gradients or ()], bool)
+    if not soft.any():
+        return np.zeros(len(planar.left), bool)
+    inner = (planar.left != 0) & (planar.right != 0)
+    return np.asarray(inner & (soft[planar.face_labels[planar.left]] | soft[planar.face_labels[planar.right]]))
+
+
+def _soft_tolerances(labels: Labels, planar: PlanarMap, lines: Polylines, arcs: np.ndarray,
+                     tolerance: np.ndarray) -> np.ndarray:
+    """Tolerance of some arcs, px, by how the colours differ where the arcs lie.
+
+    What is drawn on a ramp hides among colours that change anyway, and is seen as lines, not as areas.
+    """
+    points = ranges(lines.starts[arcs], np.diff(lines.starts)[arcs])
+    arc = np.repeat(np.arange(len(arcs)), np.diff(lines.starts)[arcs])
+    left, right = (local_colours(labels, planar.face_labels[side[arcs]][arc], lines.points[points])
+                   for side in (planar.left, planar.right))
+    square = np.square(left - right).max(axis=1)
+    step = np.sqrt(np.bincount(arc, square, len(arcs)) / np.maximum(np.bincount(arc, minlength=len(arcs)), 1))
+    return np.asarray(tolerance * (1 + SOFT / np.maximum(step, 1)))
 
 
 def _room(planar: PlanarMap) -> np.ndarray:

@@ -23,7 +23,7 @@ _ENOUGH = 1 << 15
 _ROWS = 256
 """Rows of the picture worked on at a time."""
 
-_STRONG = 0.8
+_STRONG = 0.93
 """Pixels of a narrow region stand out that differ from what is round it by this share of the most."""
 
 

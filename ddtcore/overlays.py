@@ -9,7 +9,7 @@ pixel are left to the stage that knows flat colours, with the colours of their i
 
 from __future__ import annotations
 
-from typing import List, Tuple
+from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -104,10 +104,10 @@ def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: 
     cells, samples = cells[some], samples[:, some]
     if not cells.size:
         return count, np.zeros(0, np.uint32)
-    sides = _side_colours(canvas, known, cells, samples, surfaces)
+    sides = side_colours(canvas, known, cells, samples, surfaces)
     here = canvas.colours(cells)
     base = sides[:, beside[:, some].argmax(axis=0), np.arange(cells.size)]
-    off = _unexplained(here, sides, samples)
+    off = unexplained(here, sides, samples)
     drawn = np.flatnonzero(off > LEAST)
     cells, here, base, off = cells[drawn], here[:, drawn], base[:, drawn], off[drawn]
     area = shades.part(canvas, cells, here - base, _areas(canvas, cells, here - base))
@@ -124,9 +124,24 @@ def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: 
     return count + chosen.size, inks
 
 
-def _side_colours(canvas: Canvas, known: np.ndarray, cells: np.ndarray, samples: np.ndarray,
-                  surfaces: List[Surface]) -> np.ndarray:
-    """The colours (C, SLOTS, N) that the surfaces around each pixel have, or would have, there."""
+def side_colours(canvas: Canvas, known: np.ndarray, cells: np.ndarray, samples: np.ndarray,
+                 surfaces: Sequence[Optional[Surface]]) -> np.ndarray:
+    """The colours that the surfaces around each pixel have, or would have, there.
+
+    Parameters
+    ----------
+    canvas : Canvas
+    known : ndarray of shape (P,)
+        Numbers with the rim; those of no surface count as flat, with the colour of the sample.
+    cells : ndarray of shape (N,)
+    samples : ndarray of shape (SLOTS, N)
+        Pixels round each of them, -1 for none.
+    surfaces : sequence of Surface or None
+
+    Returns
+    -------
+    ndarray of shape (C, SLOTS, N)
+    """
     sides = canvas.colours(samples)
     row, col = canvas.places(cells)
     points = np.stack([col, row], axis=1) + 0.5
@@ -134,14 +149,15 @@ def _side_colours(canvas: Canvas, known: np.ndarray, cells: np.ndarray, samples:
     order = np.argsort(number.ravel(), kind="stable")
     values, first = np.unique(number.ravel()[order], return_index=True)
     for value, part in zip(values.tolist(), np.split(order, first[1:])):
-        if 0 <= value < len(surfaces):
+        surface = surfaces[value] if 0 <= value < len(surfaces) else None
+        if surface is not None:
             slot, place = np.divmod(part, cells.size)
-            sides[:, slot, place] = surfaces[value].colours(points[place]).T
+            sides[:, slot, place] = surface.colours(points[place]).T
     return sides
 
 
-def _unexplained(here: np.ndarray, sides: np.ndarray, samples: np.ndarray) -> np.ndarray:
-    """Distance of each colour (C, N) from all mixes of two of its sides."""
+def unexplained(here: np.ndarray, sides: np.ndarray, samples: np.ndarray) -> np.ndarray:
+    """Distance of each colour (C, N) from all mixes of two of its sides (C, SLOTS, N); infinite where it has none."""
     nearest = np.full(here.shape[1], np.inf, np.float32)
     for i in range(SLOTS):
         for j in range(i, SLOTS):

@@ -14,6 +14,7 @@ from .gradient import colours_at, fit_gradient
 from .members import Pixels, sure_pixels
 from .model import Gradient, Labels, PlanarMap
 from .options import TraceOptions
+from .tint import beneath, cheaper, tinted
 
 _FEW = 16
 """Regions with fewer pixels off their border may have straight gradients only."""
@@ -65,13 +66,16 @@ def find_gradients(image: np.ndarray, labels: Labels) -> Labels:
     colour = pixels.colours(image)
     opaque = bool((colour[:, 3] == 255).all())
     sure = sure_pixels(image, labels.index, pixels)
+    known = gradients.copy()
     for label, part in pixels.groups():
         chosen = part[sure[part]]
         chosen = chosen if len(chosen) >= _LEAST else part
         count = np.full(len(chosen), len(part) / len(chosen))
         samples = Samples(pixels.points[chosen], colour[chosen, :3 if opaque else 4], count)
         straight = int(np.count_nonzero(pixels.inside[part])) < _FEW
-        gradients[label] = fit_gradient(samples, pixels.points[part], straight)
+        own = fit_gradient(samples, pixels.points[part], straight)
+        base = beneath(labels.index, pixels.cells[part], known)
+        gradients[label] = own if own is None or base is None else cheaper(own, tinted(base, samples), base, samples)
     return replace(labels, gradients=tuple(gradients))
 
 

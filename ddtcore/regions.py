@@ -13,10 +13,11 @@ from typing import List, Optional, Tuple
 
 import numpy as np
 
-from . import areas, detached, margins, merging, overlays, palette, ramps, sides, strokes, surfaces
+from . import areas, detached, margins, merging, overlays, palette, ramps, scraps, sides, strokes, surfaces
 from .calm import LEFT, without_grain
 from .canvas import Canvas, mean_colours, planes, prepare, unpack
-from .model import Gradient, Labels
+from .growing import Surface
+from .model import Labels
 from .noise import ROUNDING, SPECK, mixing_error, noise_level, noisy_colours
 from .options import TraceOptions
 from .posterise import MOST_REGIONS, is_noisy, posterise
@@ -77,7 +78,7 @@ def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
     `grain` is how strong the grain was that was taken out of it, levels.
     """
     slopes, count = ramps.find_ramps(canvas)
-    gradients: List[Optional[Gradient]] = [None] * count
+    found: List[Optional[Surface]] = [None] * count
     plateaus = palette.find_plateaus(canvas, slopes >= 0)
     noise, rippled = (grain / LEFT, True) if grain else noise_level(canvas, plateaus.core, slopes)
     plain = palette.plain_colours(canvas)
@@ -89,8 +90,8 @@ def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
         plateaus = palette.find_plateaus(canvas, slopes >= 0)
         keys = noisy_colours(canvas, plateaus, noise, grain or noise)
     else:
-        slopes, gradients, plateaus, inks = _surfaces(canvas, slopes, count, plateaus)
-        count = len(gradients)
+        slopes, found, plateaus, inks = _surfaces(canvas, slopes, count, plateaus)
+        count = len(found)
         keys = _with_inks(canvas, palette.choose_colours(canvas, plateaus, count > 0), inks)
     if not keys.size and not count:
         return posterise(canvas, MANY)
@@ -115,10 +116,13 @@ def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
     # A large picture should not be held more often than needed.
     del slopes, plateaus
     thin, specks = _label_unknown(canvas, labels, ridges, keys, colours, doubt)
+    if count:
+        scraps.join_scraps(canvas, labels, canvas.mixing(colours), [*[None] * keys.size, *found], thin)
+    gradients = [None if surface is None else surface.gradient for surface in found[:count]]
     index, thin = (np.ascontiguousarray(canvas.bare(plane)) for plane in (labels, thin))
     del labels
     result = Labels(index=index, palette=colours, thin=thin, ramp=np.arange(len(colours)) >= keys.size,
-                    gradients=(*[None] * keys.size, *gradients[:count]))
+                    gradients=(*[None] * keys.size, *gradients))
     result = merging.merge_twins(result, canvas.mixing(colours))
     if specks > DITHER * cells.size + 10:
         return merging.merge_specks(result, SPECK)
@@ -133,7 +137,7 @@ def _with_inks(canvas: Canvas, keys: np.ndarray, inks: np.ndarray) -> np.ndarray
 
 
 def _surfaces(canvas: Canvas, slopes: np.ndarray, count: int, plateaus: palette.Plateaus
-              ) -> Tuple[np.ndarray, List[Optional[Gradient]], palette.Plateaus, np.ndarray]:
+              ) -> Tuple[np.ndarray, List[Optional[Surface]], palette.Plateaus, np.ndarray]:
     """Ramps that one gradient each explains, with it, and what is drawn on them; plateaus left, and inks."""
     if not count:
         return slopes, [], plateaus, np.zeros(0, np.uint32)
@@ -143,8 +147,7 @@ def _surfaces(canvas: Canvas, slopes: np.ndarray, count: int, plateaus: palette.
     labels = palette.known_labels(canvas, plateaus, keys, ROUNDING)
     slopes, found = detached.join_detached(canvas, slopes, found, (slopes < 0) & (canvas.bare(labels) < 0))
     count, inks = overlays.add_drawn(canvas, slopes, found, keys, labels)
-    gradients = [surface.gradient for surface in found] + [None] * (count - len(found))
-    return slopes, gradients, palette.find_plateaus(canvas, slopes >= 0), inks
+    return slopes, [*found, *[None] * (count - len(found))], palette.find_plateaus(canvas, slopes >= 0), inks
 
 
 def _label_unknown(canvas: Canvas, labels: np.ndarray, ridges: strokes.Ridges, keys: np.ndarray,

@@ -41,12 +41,13 @@ ROOMS = {
     "the whole": "pipeline model options choice budget reduction",
     "from outside": "__init__ __main__ cli files progress report compare inkscape",
     "picture in": "raster sprites ink enlarged",
-    "pixels to regions": "regions canvas palette noise calm mixes sides strokes margins ramps surfaces growing"
-                         " spans detached overlays shades hairlines posterise threshold areas merging components",
+    "pixels to regions": "regions canvas palette noise calm mixes sides strokes margins ramps surfaces"
+                         " growing spans detached overlays shades hairlines scraps posterise threshold areas"
+                         " merging components",
     "mesh": "triangulation quads cost ribbon flips",
     "outlines": "border outline position flatten unblur staircase lattice",
     "curves": "fit runs corner segments arclength cubic polish newton coverage quadratic bezier",
-    "paint": "paint members gradient field parallels stops bands recolour swatches perception",
+    "paint": "paint members gradient field parallels stops tint bands recolour swatches perception",
     "drawing out": "stacking order loops doors rankmap underlap shortcut grouping svg pathdata",
 }
 """Modules of ddtcore in the order of reading; new ones appear at the end until they are named here."""

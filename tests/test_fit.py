@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -29,7 +31,7 @@ from ddtcore import bezier
 from ddtcore.arclength import Arclength
 from ddtcore.corner import find_corners
 from ddtcore.fit import fit_arcs
-from ddtcore.model import CUBIC, LINE
+from ddtcore.model import CUBIC, LINE, Gradient
 from ddtcore.options import TraceOptions
 from ddtcore.runs import cut_at_knots
 from ddtcore.segments import fit_runs
@@ -224,3 +226,21 @@ def test_outlines_as_they_are():
     assert (curves.degree == LINE).all()
     for arc in range(len(outlines.planar.tail)):
         assert set(map(tuple, part(curves, arc)[0][:, 0])) <= set(map(tuple, outlines.arc(arc)))
+
+
+@pytest.mark.parametrize("mean", [5, 250])
+def test_edges_on_ramps_are_fitted_by_how_they_differ_where_they_lie(mean):
+    angle = np.arange(720) * np.pi / 360
+    radius = 15 + 0.7 * np.sin(6 * angle)
+    waves = np.asarray(CENTRE) + radius[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    drawn = picture(48, 48, [waves], (BLACK, WHITE))
+    outlines = placed(drawn, TraceOptions())
+
+    def segments(level):
+        """How many there are round a ramp that has this level at its border, and some mean."""
+        stops = ((0.0, (level,) * 3, 1.0), (1.0, (level,) * 3, 1.0))
+        labels = replace(drawn.labels, palette=np.array([BLACK, (mean, mean, mean, 255)], float),
+                         gradients=(None, Gradient("linear", (0.0, 0.0), (1.0, 0.0), stops)))
+        return len(fit_arcs(drawn.image, labels, outlines.planar, outlines.lines, TraceOptions()).degree)
+
+    assert segments(4) < segments(250) - 4
