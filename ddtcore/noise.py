@@ -35,6 +35,7 @@ _APART = 8
 _SAMPLE = 1 << 14
 _VOTES = 1 << 16
 _FEW = 13
+_MINOR = 200.0
 _JUDGED = 500
 _WIDE = 32
 _MANY = 64
@@ -122,31 +123,49 @@ def _between_plateaus(canvas: Canvas, core: np.ndarray, cells: np.ndarray, span:
 def noisy_colours(canvas: Canvas, plateaus: Plateaus, noise: float, original: float) -> np.ndarray:
     """The packed colours of a noisy picture: those of large plateaus, then others that fill areas.
 
-    What lies near a colour already found is taken for a variation of it: plateaus
-    within `noise`, other pixels within twice that.  These have to be flat within 3 x 3,
-    the more so where other colours mix to theirs.  What the `original` noise may have
-    moved away from black and white, or either end of a channel, lies there.
+    What lies near a colour already found is taken for a variation of it: plateaus within
+    `noise`, other pixels within twice that.  These have to be flat within 3 x 3, the more
+    so where other colours mix to theirs.  The flatter pixels are, the less they vary: many
+    that are twice as flat may be half as far from a colour and none of its variations.
+    What the `original` noise, before it was averaged away, may have moved away from black
+    and white, or either end of a channel, lies there.
     """
     least = max(_WIDE, 0.0002 * plateaus.core.size)
-    found = _unlike(canvas, plateaus.keys[(plateaus.full >= least) | (plateaus.counts >= 4 * least)], noise)
+    found = unlike(canvas, plateaus.keys[(plateaus.full >= least) | (plateaus.counts >= 4 * least)], noise)
     cells = canvas.cells(np.ones(canvas.shape, bool))
     cells = cells[::max(1, cells.size // _VOTES)]
     keys, spans = canvas.keys[cells], _spans(canvas, cells)
-    flat = spans <= 2 * noise
-    for known in found:
-        flat &= _apart(canvas, keys, known) > 2 * noise
-    keys, spans = keys[flat], spans[flat]
+    for margin in (noise / 2, noise) if original == noise else (noise,):
+        flat = spans <= 2 * margin
+        crowds: List[float] = []
+        for known in found:
+            off = _apart(canvas, keys, known)
+            flat &= off > 2 * margin
+            crowds.append(margin < noise and np.count_nonzero((spans <= margin) & (off <= margin)) / _MINOR)
+        _gather(canvas, keys[flat], spans[flat], found, crowds, margin, noise, original)
+    return _clipped(np.array(found, np.uint32), original / 4)
+
+
+def _gather(canvas: Canvas, keys: np.ndarray, spans: np.ndarray, found: List[np.uint32], crowds: List[float],
+            margin: float, noise: float, original: float) -> None:
+    """Add the colours round which pixels (N,) gather to those found.
+
+    `crowds` tells for each colour found how many flat pixels there have to be of one next to
+    it, none if a colour that is no mix needs no flat ones.
+    """
     while keys.size and len(found) < _MANY:
         values, counts = np.unique(keys, return_counts=True)
         mode = values[np.argmax(counts)]
-        alike = _apart(canvas, keys, mode) <= noise
-        centre = _centre(keys[alike], original)
-        mixed = is_mixed(*(planes(np.array(some, np.uint32), canvas.opaque) for some in ([centre], found)))[0]
-        if np.count_nonzero(alike & (spans <= noise) if mixed else alike) >= _FEW:
+        off = _apart(canvas, keys, mode)
+        alike = off <= margin
+        centre = _centre(keys[off <= noise], original)
+        known, own = (planes(np.array(some, np.uint32), canvas.opaque) for some in (found, [centre]))
+        least = crowds[np.abs(known - own).max(axis=0).argmin()] if found else 0
+        flat = np.count_nonzero(alike & (spans <= margin))
+        if (flat if least or is_mixed(own, known)[0] else np.count_nonzero(alike)) >= max(_FEW, least):
             found.append(centre)
-        far = _apart(canvas, keys, mode) > 2 * noise
-        keys, spans = keys[far], spans[far]
-    return _clipped(np.array(found, np.uint32), original / 4)
+            crowds.append(least and flat / _MINOR)
+        keys, spans = keys[off > 2 * margin], spans[off > 2 * margin]
 
 
 def _clipped(keys: np.ndarray, margin: float) -> np.ndarray:
@@ -168,7 +187,7 @@ def _centre(keys: np.ndarray, noise: float) -> np.uint32:
     return np.uint32(middle.view(np.uint32)[0])
 
 
-def _unlike(canvas: Canvas, keys: np.ndarray, margin: float) -> List[np.uint32]:
+def unlike(canvas: Canvas, keys: np.ndarray, margin: float) -> List[np.uint32]:
     """The packed colours that differ by more than a margin from all before them."""
     found: List[np.uint32] = []
     while keys.size and len(found) < _MANY:

@@ -13,7 +13,7 @@ from typing import List, Optional, Tuple
 
 import numpy as np
 
-from . import areas, detached, margins, merging, overlays, palette, ramps, scraps, sides, strokes, surfaces
+from . import areas, detached, margins, merging, overlays, palette, ramps, ringing, scraps, sides, strokes, surfaces
 from .calm import LEFT, without_grain
 from .canvas import Canvas, mean_colours, planes, prepare, unpack
 from .growing import Surface
@@ -81,6 +81,9 @@ def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
     found: List[Optional[Surface]] = [None] * count
     plateaus = palette.find_plateaus(canvas, slopes >= 0)
     noise, rippled = (grain / LEFT, True) if grain else noise_level(canvas, plateaus.core, slopes)
+    inks = np.zeros(0, np.uint32)
+    if noise > ROUNDING and not grain and ringing.is_ringing(canvas, plateaus.core):
+        (canvas, inks), noise = ringing.without_ringing(canvas), ringing.LEFT
     plain = palette.plain_colours(canvas)
     if plain.size:
         noise, rippled, keys = ROUNDING, False, plain
@@ -88,7 +91,7 @@ def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
         # The ramps are ripples of flat colours.
         slopes, count = np.full(canvas.shape, -1, np.int32), 0
         plateaus = palette.find_plateaus(canvas, slopes >= 0)
-        keys = noisy_colours(canvas, plateaus, noise, grain or noise)
+        keys = _with_inks(canvas, noisy_colours(canvas, plateaus, noise, grain or noise), inks)
     else:
         slopes, found, plateaus, inks = _surfaces(canvas, slopes, count, plateaus)
         count = len(found)

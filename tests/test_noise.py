@@ -108,6 +108,19 @@ def test_channels_near_their_ends_lie_there(clean):
     assert any(colour[0] == 0 and colour[2] > 180 for colour in found)
 
 
+@pytest.mark.parametrize("quality", [75, 50])
+def test_colours_nearer_to_each_other_than_the_noise(quality):
+    near = [(204, 81, 29, 255), (204, 109, 44, 255)]
+    image = draw(240, 240, [((255, 255, 255, 255), everywhere), ((12, 12, 12, 255), disc(120, 120, 115)),
+                            (near[1], disc(120, 120, 105)), ((12, 12, 12, 255), disc(120, 120, 90)),
+                            (near[0], disc(120, 120, 80))])
+    noise, _ = level(jpeg(image, quality))
+    labels = label_pixels(jpeg(image, quality), TraceOptions())
+    assert 2 * noise > 28 and len(labels.palette) == 4
+    for y, colour in ((120, near[0]), (217, near[1])):
+        assert np.abs(labels.palette[labels.index[y, 110:130]] - colour).max() <= 3
+
+
 def test_black_and_white_stay_exact(clean):
     for quality in (90, 75):
         labels = label_pixels(jpeg(clean, quality), TraceOptions())

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Flat art that was made smaller or larger: the ripples beside its edges are taken for what they are.
+
+Good filters overshoot beside an edge, by a share of its contrast and over three pixels at
+most; the ripples stand for nothing.  Away from edges flat colours stay as they were, unlike
+in a JPEG or a scan.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Tuple
+
+import numpy as np
+
+from .canvas import RIM, Canvas, planes
+from .noise import ROUNDING, unlike
+from .palette import find_plateaus
+
+LEFT = 8.0
+"""How much pixels vary at most when ripples have been taken off, levels."""
+
+CALM = 24
+"""Largest range of a channel within 7 x 7 pixels without an edge, levels."""
+
+RARE = 0.01
+"""Share of uneven pixels far from all edges from which there is more than ringing."""
+
+BEYOND, SHORT = 0.13, 0.06
+"""How far ringing goes beyond a flat colour, between two edges, and falls short of it: shares of the contrast."""
+
+BESIDE = 0.08
+"""How far it goes beyond a flat colour beside one straight edge, as a share of the contrast."""
+
+_CORE = 4
+_TWIN = 4.0
+_MOST = 48
+_FEW = 13
+_CHUNK = 1 << 16
+
+
+def is_ringing(canvas: Canvas, core: np.ndarray) -> bool:
+    """Whether all that is uneven keeps to edges; `core` (H, W) tells the pixels of plateaus."""
+    uneven = np.zeros(core.shape, bool)
+    uneven[RIM:-RIM, RIM:-RIM] = ~core[RIM:-RIM, RIM:-RIM]
+    cells = canvas.cells(uneven)
+    if not cells.size:
+        return False
+    low, high = _ranges(canvas)
+    return bool(np.mean((high[:, cells] - low[:, cells]).max(axis=0) <= CALM) < RARE)
+
+
+def without_ringing(canvas: Canvas) -> Tuple[Canvas, np.ndarray]:
+    """The picture with flat colours up to its edges: what is off one by no more than ringing gets it.
+
+    And the packed colours of those that only thin strokes have, as far as they tell.
+    """
+    plateaus = find_plateaus(canvas, np.zeros(canvas.shape, bool))
+    known = np.array(unlike(canvas, plateaus.keys[plateaus.full >= _CORE], _TWIN)[:_MOST], np.uint32)
+    cells = canvas.cells(~plateaus.core)
+    low, high = (values[:, cells] for values in _ranges(canvas))
+    inks = _clipped_strokes(canvas, cells, high - low, known)
+    known = np.append(known, inks)
+    keys = canvas.keys.copy()
+    for start in range(0, cells.size, _CHUNK):
+        part = slice(start, start + _CHUNK)
+        keys[cells[part]] = _settled(canvas, cells[part], low[:, part], high[:, part], known)
+    return replace(canvas, keys=np.pad(canvas.bare(keys), RIM, mode="edge").ravel()), inks
+
+
+def _settled(canvas: Canvas, cells: np.ndarray, low: np.ndarray, high: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """Packed colours of pixels, the nearest `known` one where ringing explains the rest."""
+    here = canvas.colours(cells)
+    best: np.ndarray = canvas.keys[cells]
+    span, middle = high - low, (high + low) / 2
+    least = np.full(best.size, np.inf, np.float32)
+    for key, colour in zip(known, planes(known, canvas.opaque).T):
+        off = here - colour[:, None]
+        beyond = off * (colour[:, None] - middle) > 0
+        off = np.abs(off)
+        explained = (off <= ROUNDING + np.where(beyond, BEYOND, SHORT) * span).all(axis=0)
+        nearer = explained & (off.max(axis=0) < least)
+        best[nearer], least[nearer] = key, off.max(axis=0)[nearer]
+    return best
+
+
+def _clipped_strokes(canvas: Canvas, cells: np.ndarray, span: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """Packed colours of thin strokes in black, white, or another colour that clipping keeps from ringing.
+
+    They need no plateaus to be known: beside a single edge none of the `known` colours rings
+    as far as that, and the strokes of no other colour would all end there.
+    """
+    values, index, counts = np.unique(canvas.keys[cells], return_inverse=True, return_counts=True)
+    channels = planes(values, True)
+    clipped = ((channels == 0) | (channels == 255)).all(axis=0)
+    found = []
+    for k in np.flatnonzero((counts >= _FEW) & clipped):
+        off = np.abs(planes(values[k:k + 1], canvas.opaque) - planes(known, canvas.opaque))
+        far = (off[:, :, None] > ROUNDING + BESIDE * span[:, None, index == k]).any(axis=0).all(axis=0)
+        if np.count_nonzero(far) >= _FEW:
+            found.append(values[k])
+    return np.array(found, np.uint32)
+
+
+def _ranges(canvas: Canvas) -> Tuple[np.ndarray, np.ndarray]:
+    """Lowest and highest values of each channel within 7 x 7 of each pixel, int16 (C, P)."""
+    values = planes(canvas.keys.reshape(-1, canvas.stride), canvas.opaque).astype(np.int16)
+    ranges = []
+    for extreme in (np.minimum, np.maximum):
+        out = values
+        for axis in (1, 2):
+            out = out.swapaxes(1, axis)
+            padded = np.pad(out, [(0, 0), (RIM, RIM), (0, 0)], mode="edge")
+            out = extreme.reduce([padded[:, k:k + out.shape[1]] for k in range(2 * RIM + 1)]).swapaxes(1, axis)
+        ranges.append(out.reshape(len(values), -1))
+    return ranges[0], ranges[1]
