@@ -78,7 +78,7 @@ def fit_arcs(image: np.ndarray, labels: Labels, planar: PlanarMap, lines: Polyli
     wire = polish(wire_up(runs, segments, held, step), target, 1 if mixed else 0)
     # Polished curves are free of the points' noise: what they agree on can be merged closer.
     runs, segments = simplify(wire, runs, segments, MERGE_SHARE * tolerance)
-    wire = polish(wire_up(runs, segments, held, step), target, 4 if mixed else 0)
+    wire = polish(wire_up(runs, segments, held, step), target, (4 if target.block == 1 else 2) if mixed else 0)
     starts = np.searchsorted(runs.arc[segments.run], np.arange(len(planar.tail) + 1))
     control = _kept_inside(wire.control(), np.asarray(size))
     return Curves(starts, control, np.where(wire.line, LINE, CUBIC).astype(np.uint8))
