@@ -144,7 +144,7 @@ def _in_processes(jobs: Sequence[Job], workers: int) -> Iterator[Tuple[Job, Opti
 
     from . import pipeline  # noqa: F401  (loaded once, for all processes forked from here)
 
-    with ProcessPoolExecutor(workers, initializer=_leave_quietly) as pool:
+    with ProcessPoolExecutor(workers, initializer=_settle_worker) as pool:
         futures = []
         try:
             for job in jobs:
@@ -163,9 +163,12 @@ def _in_processes(jobs: Sequence[Job], workers: int) -> Iterator[Tuple[Job, Opti
                 future.cancel()
 
 
-def _leave_quietly() -> None:
-    """Let Ctrl-C end a worker without a traceback, but with its half-written file removed."""
+def _settle_worker() -> None:
+    """Let Ctrl-C end a worker without a traceback, but with its half-written file removed; one thread will do."""
+    from .parts import limit_threads
+
     signal.signal(signal.SIGINT, lambda number, frame: sys.exit(130))
+    limit_threads(1)
 
 
 def _processors() -> int:

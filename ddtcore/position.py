@@ -19,6 +19,7 @@ import numpy as np
 from .border import barycentres
 from .model import Labels, Mesh, PlanarMap, Polylines
 from .options import TraceOptions
+from .parts import in_parts
 from .staircase import SLACK, find_staircases
 
 REACH = 4
@@ -94,7 +95,9 @@ def _by_coverage(image: np.ndarray, labels: Labels, mesh: Mesh,
     inner = np.flatnonzero((planar.left[arc] != 0) & ~hard[arc])
     inner = inner[_first_in_column(planar.rings, arc[inner], raw[inner], _tangents(planar, arc, raw)[inner])]
     tangent = _tangents(planar, arc, raw)[inner]
-    position, sure = _column_sums(image, raw[inner], tangent, left[inner], right[inner])
+    crossed, one, other = raw[inner], left[inner], right[inner]
+    position, sure = in_parts(
+        lambda part: _column_sums(image, crossed[part], tangent[part], one[part], other[part]), len(inner))
     # Between two positions that are sure, a doubtful one only adds noise.
     keep = np.ones(len(inner), bool)
     keep[1:-1] = sure[1:-1] | ~(sure[:-2] & sure[2:])

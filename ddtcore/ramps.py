@@ -18,6 +18,7 @@ from .canvas import Canvas, planes
 from .components import block_areas, components, linked_areas
 from .gradient import BYTES, PRICE
 from .model import Labels
+from .parts import in_parts
 from .sides import window
 
 STEP = 16.0
@@ -46,8 +47,6 @@ SLOPES = 40
 
 SLOPING = 0.02
 """Smallest share of a ramp's pixels that differ from a neighbour."""
-
-_CHUNK = 1 << 18
 
 
 def find_ramps(canvas: Canvas) -> Tuple[np.ndarray, int]:
@@ -98,10 +97,7 @@ def _add_narrow(canvas: Canvas, ramps: np.ndarray, count: int, uneven: np.ndarra
     if count:
         busy &= ramps < 0
     cells = canvas.cells(busy)
-    even = np.empty(cells.size, bool)
-    for start in range(0, cells.size, _CHUNK):
-        part = slice(start, start + _CHUNK)
-        even[part] = _is_plane(canvas, cells[part])
+    even, = in_parts(lambda part: (_is_plane(canvas, cells[part]),), cells.size)
     middle = cells[even]
     if 9 * middle.size < AREA:
         return count
@@ -142,9 +138,8 @@ def _even_steps(canvas: Canvas, equal: np.ndarray, step: int) -> np.ndarray:
     row, col = np.divmod(places.astype(np.int32), np.int32(equal.shape[1]))
     cells = canvas.numbers(row, col)
     out = equal.copy()
-    for start in range(0, cells.size, _CHUNK):
-        part = slice(start, start + _CHUNK)
-        out.ravel()[places[part]] = is_even(*(canvas.colours(cells[part] + k * step) for k in (-1, 0, 1, 2)))
+    out.ravel()[places], = in_parts(
+        lambda part: (is_even(*(canvas.colours(cells[part] + k * step) for k in (-1, 0, 1, 2))),), cells.size)
     return out
 
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from .canvas import Canvas
 from .mixes import segment_distance
+from .parts import in_parts
 
 SLOTS = 4
 """How many colours near a pixel are considered."""
@@ -64,10 +65,15 @@ def label_mixed(canvas: Canvas, sharp: Canvas, labels: np.ndarray, cells: np.nda
 def _nearer_side(canvas: Canvas, sharp: Canvas, labels: np.ndarray,
                  cells: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Samples of both sides, int32 (2, N), label of the nearer one, and distance from their mixes."""
-    samples, close = near_samples(labels, cells, canvas.stride)
-    pair = _best_pairs(canvas, sharp, cells, samples, close)
-    distance, share = segment_distance(canvas.colours(cells), sharp.colours(pair[0]), sharp.colours(pair[1]))
-    return pair, labels[np.where(share < 0.5, pair[0], pair[1])], distance
+    def nearer(part: slice) -> Tuple[np.ndarray, ...]:
+        some = cells[part]
+        samples, close = near_samples(labels, some, canvas.stride)
+        pair = _best_pairs(canvas, sharp, some, samples, close)
+        distance, share = segment_distance(canvas.colours(some), sharp.colours(pair[0]), sharp.colours(pair[1]))
+        return pair, labels[np.where(share < 0.5, pair[0], pair[1])], distance
+
+    pair, label, distance = in_parts(nearer, cells.size, axis=-1)
+    return pair, label, distance
 
 
 def near_samples(labels: np.ndarray, cells: np.ndarray, stride: int) -> Tuple[np.ndarray, np.ndarray]:

@@ -17,6 +17,7 @@ import numpy as np
 from .canvas import Canvas, planes, unpack
 from .mixes import dot, excess, length, segment_distance, third_share
 from .noise import ROUNDING
+from .parts import in_parts
 from .sides import window
 
 LEAST = 12.0
@@ -90,9 +91,7 @@ def find_ridges(canvas: Canvas, cells: np.ndarray, noise: float) -> Ridges:
     one, other = here.copy(), here.copy()
     for row, col in _DIRECTIONS:
         step = np.int32(row * canvas.stride + col)
-        before, after = number[cells - step], number[cells + step]
-        a, b = _two_sides(canvas, cells, here, before, after, step)
-        off = excess(here, a, b)
+        before, after, a, b, off = _across(canvas, cells, here, number, step)
         size = length(off)
         peak = (size > least) & (size > height) & canvas.holds(cells - step) & canvas.holds(cells + step)
         # Only a neighbour that stands out to the same side belongs to the same stroke.
@@ -105,9 +104,18 @@ def find_ridges(canvas: Canvas, cells: np.ndarray, noise: float) -> Ridges:
     return Ridges(cells[kept], here, one, other, excess(here, one, other))
 
 
+def _across(canvas: Canvas, cells: np.ndarray, here: np.ndarray, number: np.ndarray,
+            step: np.int32) -> Tuple[np.ndarray, ...]:
+    """Numbers of the pixels before and after each in one direction, and its `_two_sides`."""
+    before, after = number[cells - step], number[cells + step]
+    return (before, after, *in_parts(
+        lambda part: _two_sides(canvas, cells[part], here[:, part], before[part], after[part], step),
+        cells.size, axis=1))
+
+
 def _two_sides(canvas: Canvas, cells: np.ndarray, here: np.ndarray, before: np.ndarray, after: np.ndarray,
-               step: np.int32) -> Tuple[np.ndarray, np.ndarray]:
-    """Colours at both sides of each pixel in one direction, those from which it stands out most.
+               step: np.int32) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Colours at both sides of each pixel in one direction, and how it stands out: those from which it does most.
 
     A stroke that covers two pixels in part is seen past its other half, where the colour
     runs straight from the pixel through that half to the far side, or where the other half
@@ -128,7 +136,7 @@ def _two_sides(canvas: Canvas, cells: np.ndarray, here: np.ndarray, before: np.n
         best[far][:, better] = beyond[:, better]
         best[1 - far][:, better] = near[:, better]
         square[better] = size[better]
-    return best[0], best[1]
+    return best[0], best[1], excess(here, *best)
 
 
 def new_colours(canvas: Canvas, cells: np.ndarray, ridges: Ridges, colours: np.ndarray, labels: np.ndarray,

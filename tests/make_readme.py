@@ -38,7 +38,7 @@ PAPER_ROWS = {"Donald Duck": (1740, 85577, 139, 56), "Pumba": (4470, 233179, 129
 """Table 1 of the paper: bitmap, DDT, curves, SVGZ in kilobytes."""
 
 ROOMS = {
-    "the whole": "pipeline model options choice budget reduction",
+    "the whole": "pipeline model options choice budget reduction parts",
     "from outside": "__init__ __main__ cli files progress report compare inkscape",
     "picture in": "raster sprites ink enlarged",
     "pixels to regions": "regions canvas palette noise calm ringing mixes sides strokes margins ramps surfaces"
