@@ -28,7 +28,10 @@ SPARSE = 0.04
 """Outlines with less length for each pixel of the picture, px, keep far from one another: half of `MUCH` will do."""
 
 DAMPING = 0.01
-"""Of moves and handles: what keeps those in place that no pixel tells anything of."""
+"""Least weight of moves being small: what keeps nodes and handles in place that no pixel tells anything of.
+
+Where pixels are off by more of their contrast than its root, they are believed that much less.
+"""
 
 SETTLED, GAIN = 0.01, 0.05
 """Rounds end when the last one brought the outlines closer to their pixels by less than this, px, and took
@@ -185,7 +188,9 @@ def _misfit(wire: Wire, step: np.ndarray, target: Target) -> _Misfit:
 def _linearise(wire: Wire, step: np.ndarray, misfit: _Misfit) -> Problem:
     """How each parameter would change the pixels, and how far off they are."""
     pieces, number, residual, weight, _ = misfit
-    index, damping = _parameters(wire)
+    # The middle one: a few pixels that are far off say nothing of the others.
+    off = np.median(np.einsum("pc,pc->p", residual, residual)) if len(residual) else 0.0
+    index, damping = _parameters(wire, max(DAMPING, off))
     begins = np.flatnonzero(np.r_[True, (np.diff(pieces.segment) != 0) | (np.diff(pieces.pixel) != 0)])
     segment, pixel = pieces.segment[begins], number[begins]
     slope = _slopes(wire, pieces, begins)
@@ -205,7 +210,7 @@ def _frames(wire: Wire) -> np.ndarray:
     return frame
 
 
-def _parameters(wire: Wire) -> Tuple[np.ndarray, np.ndarray]:
+def _parameters(wire: Wire, firmness: float) -> Tuple[np.ndarray, np.ndarray]:
     """Numbers (S, 8) of the parameters of each segment, and the damping of all; number 0 is none.
 
     In the order x, y of the beginning, its handle's two, x, y of the end, its handle's two.
@@ -224,11 +229,11 @@ def _parameters(wire: Wire) -> Tuple[np.ndarray, np.ndarray]:
     second = np.where(smooth, angle[wire.ends], own[..., 1])
     index = np.stack([place[wire.ends[:, 0], 0], place[wire.ends[:, 0], 1], own[:, 0, 0], second[:, 0],
                       place[wire.ends[:, 1], 0], place[wire.ends[:, 1], 1], own[:, 1, 0], second[:, 1]], axis=1)
-    damping = np.full(1 + 3 * n + 4 * s, DAMPING)
+    damping = np.full(1 + 3 * n + 4 * s, firmness)
     damping[0] = 1e12
     length = np.einsum("sed,sed->se", wire.handles, wire.handles)
-    damping[1 + 2 * n:1 + 3 * n] = DAMPING / 50
-    np.add.at(damping, angle[wire.ends], DAMPING * length)
+    damping[1 + 2 * n:1 + 3 * n] = firmness / 50
+    np.add.at(damping, angle[wire.ends], firmness * length)
     return index, damping
 
 

@@ -110,6 +110,8 @@ def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
     if more.size:
         keys = np.append(keys, more)
         labels = palette.known_labels(canvas, plateaus, keys, noise)
+    if keys.size == 1 and not count and _stray(canvas, labels, planes(keys, canvas.opaque)):
+        return posterise(canvas, MANY)
     colours = unpack(keys).astype(np.float64)
     if count:
         ramps.absorb_pieces(canvas, labels, slopes)
@@ -130,6 +132,12 @@ def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
     if specks > DITHER * cells.size + 10:
         return merging.merge_specks(result, SPECK)
     return _merge_ripples(canvas, result, noise) if rippled else merging.drop_unused(result)
+
+
+def _stray(canvas: Canvas, labels: np.ndarray, colour: np.ndarray) -> bool:
+    """Whether pixels differ from the only colour (C, 1) there is: no mixes with another one explain them."""
+    off = np.abs(canvas.colours(canvas.cells(canvas.bare(labels) < 0)) - colour)
+    return bool((off > CONTRAST).any())
 
 
 def _with_inks(canvas: Canvas, keys: np.ndarray, inks: np.ndarray) -> np.ndarray:

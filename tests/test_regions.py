@@ -350,3 +350,11 @@ def test_few_colours_are_all_tried_however_many_pixels(monkeypatch):
     before = label_pixels(image, TraceOptions())
     monkeypatch.setattr("ddtcore.sides._TRIED", 0)
     np.testing.assert_array_equal(label_pixels(image, TraceOptions()).index, before.index)
+
+
+def test_one_plateau_explains_no_other_colours():
+    """No mixes with a single colour lie between it and others, however few pixels these have."""
+    blue = np.array([[128, 128, 117], [117, 117, 40]] + [[0, 0, 0]] * 3)
+    image = np.stack([0 * blue, 0 * blue, blue, 0 * blue + 255], axis=2).astype(np.uint8)
+    labels = label_pixels(image, DEFAULT)
+    assert np.abs(labels.palette[labels.index] - image).max() <= 12
