@@ -83,8 +83,8 @@ class RankMap:
 
     def __init__(self, starts: np.ndarray, points: np.ndarray, planar: PlanarMap, cover: np.ndarray) -> None:
         height, width = planar.pixel_faces.shape
-        # Ranks are looked up millions of times: in half the bytes more of them are at hand.
-        small = cover.astype(np.int16 if len(cover) <= np.iinfo(np.int16).max else np.int32)
+        # Ranks are looked up millions of times: in few bytes more of them are at hand.
+        small = cover.astype(np.min_scalar_type(-len(cover) - 1))
         cells = _fill(starts, points * FINE, small[planar.left], small[planar.right],
                       height * FINE, width * FINE)
         near = _spread(_by_pixel(cells))
