@@ -29,6 +29,9 @@ from .segments import Segments, fit_runs, merge
 MERGE_SHARE = 1.0
 """Share of the tolerance by which merged curves may differ from polished ones."""
 
+ROUNDS, FEWER = (1, 4), (1, 2)
+"""Most rounds of the polish before and after curves are merged; and where blocks of pixels are explained."""
+
 SHRINKING = 0.2
 """Largest tolerance of a face's outline, as a share of the side of a square of its area."""
 
@@ -66,31 +69,33 @@ def fit_arcs(image: np.ndarray, labels: Labels, planar: PlanarMap, lines: Polyli
     colours = premultiplied(labels.palette[planar.face_labels])
     colours[0] = 0
     step = colours[planar.left] - colours[planar.right]
-    tolerance = _tolerances(step, options.tolerance + lines.slack)
-    soft = np.flatnonzero(_beside_gradients(labels, planar))
-    tolerance[soft] = _soft_tolerances(labels, planar, lines, soft, (options.tolerance + lines.slack)[soft])
-    tolerance = np.minimum(tolerance, _room(planar))[runs.arc]
+    tolerance = _tolerances(labels, planar, lines, step, options.tolerance + lines.slack)[runs.arc]
     segments = fit_runs(runs, tolerance)
     held = (runs.places == 0) | (runs.places == np.asarray(size))
     inner = planar.left != 0
     target = Target.of(image, step[inner], along.total[inner].sum())
-    mixed = options.regions != "areas"
-    wire = polish(wire_up(runs, segments, held, step), target, 1 if mixed else 0)
+    first, second = (0, 0) if options.regions == "areas" else ROUNDS if target.block == 1 else FEWER
+    wire = polish(wire_up(runs, segments, held, step), target, first)
     # Polished curves are free of the points' noise: what they agree on can be merged closer.
     runs, segments = simplify(wire, runs, segments, MERGE_SHARE * tolerance)
-    wire = polish(wire_up(runs, segments, held, step), target, (4 if target.block == 1 else 2) if mixed else 0)
+    wire = polish(wire_up(runs, segments, held, step), target, second)
     starts = np.searchsorted(runs.arc[segments.run], np.arange(len(planar.tail) + 1))
     control = _kept_inside(wire.control(), np.asarray(size))
     return Curves(starts, control, np.where(wire.line, LINE, CUBIC).astype(np.uint8))
 
 
-def _tolerances(step: np.ndarray, tolerance: np.ndarray) -> np.ndarray:
-    """Tolerance of each arc, px: wider where the two colours hardly differ.
+def _tolerances(labels: Labels, planar: PlanarMap, lines: Polylines, step: np.ndarray,
+                tolerance: np.ndarray) -> np.ndarray:
+    """Tolerance of each arc, px: wider where the two colours hardly differ, if both faces have room for it.
 
     The colours of the picture are whole numbers, so the fainter an edge is, the less
-    its pixels tell where it lies, and the less anybody sees of it.
+    its pixels tell where it lies, and the less anybody sees of it.  What is drawn on a ramp
+    hides among colours that change anyway, and is seen as lines, not as areas.
     """
-    return np.asarray(tolerance * (1 + FAINT / np.maximum(np.abs(step).max(axis=1), 1)))
+    wider = FAINT / np.maximum(np.abs(step).max(axis=1), 1)
+    soft = np.flatnonzero(_beside_gradients(labels, planar))
+    wider[soft] = SOFT / np.maximum(_local_steps(labels, planar, lines, soft), 1)
+    return np.asarray(np.minimum(tolerance * (1 + wider), _room(planar)))
 
 
 def _beside_gradients(labels: Labels, planar: PlanarMap) -> np.ndarray:
@@ -102,19 +107,14 @@ def _beside_gradients(labels: Labels, planar: PlanarMap) -> np.ndarray:
     return np.asarray(inner & (soft[planar.face_labels[planar.left]] | soft[planar.face_labels[planar.right]]))
 
 
-def _soft_tolerances(labels: Labels, planar: PlanarMap, lines: Polylines, arcs: np.ndarray,
-                     tolerance: np.ndarray) -> np.ndarray:
-    """Tolerance of some arcs, px, by how the colours differ where the arcs lie.
-
-    What is drawn on a ramp hides among colours that change anyway, and is seen as lines, not as areas.
-    """
-    points = ranges(lines.starts[arcs], np.diff(lines.starts)[arcs])
-    arc = np.repeat(np.arange(len(arcs)), np.diff(lines.starts)[arcs])
+def _local_steps(labels: Labels, planar: PlanarMap, lines: Polylines, arcs: np.ndarray) -> np.ndarray:
+    """How much the colours on both sides of some arcs differ where these lie, levels."""
+    count = np.diff(lines.starts)[arcs]
+    points, arc = ranges(lines.starts[arcs], count), np.repeat(np.arange(len(arcs)), count)
     left, right = (local_colours(labels, planar.face_labels[side[arcs]][arc], lines.points[points])
                    for side in (planar.left, planar.right))
     square = np.square(left - right).max(axis=1)
-    step = np.sqrt(np.bincount(arc, square, len(arcs)) / np.maximum(np.bincount(arc, minlength=len(arcs)), 1))
-    return np.asarray(tolerance * (1 + SOFT / np.maximum(step, 1)))
+    return np.asarray(np.sqrt(np.bincount(arc, square, len(arcs)) / np.maximum(count, 1)))
 
 
 def _room(planar: PlanarMap) -> np.ndarray:

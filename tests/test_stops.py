@@ -23,6 +23,19 @@ def along(offsets, colours, place=PLACE):
     return np.stack([np.interp(place, offsets, channel) for channel in np.array(colours, float).T], axis=1)
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_colours_of_stops_are_those_of_least_squares(seed):
+    random = np.random.RandomState(seed)
+    place = np.sort(random.rand(4000))
+    colour = np.stack([127 + 90 * np.sin(9 * place + k) for k in range(3)], axis=1) + random.randn(4000, 3)
+    bins = profile(place, colour, 1 + random.rand(4000))
+    knots, values = choose_stops(bins, 10.0)
+    shares = np.stack([np.interp(bins.place, knots, row) for row in np.eye(len(knots))], axis=1)
+    root = np.sqrt(bins.weight[:, :1])
+    best = np.linalg.lstsq(root * shares, root * bins.colour, rcond=None)[0]
+    np.testing.assert_allclose(values, np.clip(best, 0, 255), atol=0.5)
+
+
 @pytest.mark.parametrize("offsets, colours", KNOWN)
 def test_known_stops_are_found_in_rounded_colours(offsets, colours):
     bins = profile(PLACE, np.rint(along(offsets, colours)), np.ones(len(PLACE)))

