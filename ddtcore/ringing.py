@@ -16,6 +16,7 @@ import numpy as np
 from .canvas import RIM, Canvas, planes
 from .noise import ROUNDING, unlike
 from .palette import find_plateaus
+from .parts import in_parts
 
 LEFT = 8.0
 """How much pixels vary at most when ripples have been taken off, levels."""
@@ -36,7 +37,6 @@ _CORE = 4
 _TWIN = 4.0
 _MOST = 48
 _FEW = 13
-_CHUNK = 1 << 16
 
 
 def is_ringing(canvas: Canvas, core: np.ndarray) -> bool:
@@ -62,9 +62,8 @@ def without_ringing(canvas: Canvas) -> Tuple[Canvas, np.ndarray]:
     inks = _clipped_strokes(canvas, cells, high - low, known)
     known = np.append(known, inks)
     keys = canvas.keys.copy()
-    for start in range(0, cells.size, _CHUNK):
-        part = slice(start, start + _CHUNK)
-        keys[cells[part]] = _settled(canvas, cells[part], low[:, part], high[:, part], known)
+    keys[cells], = in_parts(
+        lambda part: (_settled(canvas, cells[part], low[:, part], high[:, part], known),), cells.size)
     return replace(canvas, keys=np.pad(canvas.bare(keys), RIM, mode="edge").ravel()), inks
 
 
