@@ -10,9 +10,11 @@ bytes each; colours are unpacked only where a stage looks at them.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Iterator, Tuple
+from typing import Tuple
 
 import numpy as np
+
+from .parts import in_parts
 
 RIM = 3
 """Pixels added on each side, so that windows up to 7 x 7 stay inside the arrays."""
@@ -53,20 +55,13 @@ class Canvas:
         """A flat copy of a (H, W) array with a rim of one value."""
         return np.pad(values, RIM, mode="constant", constant_values=rim).ravel()
 
-    def cells(self, mask: np.ndarray) -> np.ndarray:
-        """Numbers of the pixels set in a (H, W) mask, int32, in reading order."""
-        row, col = np.divmod(np.flatnonzero(mask).astype(np.int32), np.int32(mask.shape[1]))
-        return self.numbers(row, col)
+    def cells(self, mask: np.ndarray, top: int = 0) -> np.ndarray:
+        """Numbers of the pixels set in a mask of all rows, or of those from `top` on; int32, in reading order."""
+        def found(rows: slice) -> Tuple[np.ndarray]:
+            row, col = np.divmod(np.flatnonzero(mask[rows]).astype(np.int32), np.int32(mask.shape[1]))
+            return (self.numbers(row + np.int32(top + rows.start), col),)
 
-    def strips(self, mask: np.ndarray) -> Iterator[np.ndarray]:
-        """The same for some rows after the other: what is computed of them needs little memory."""
-        for start in range(0, len(mask), _ROWS):
-            yield self.cells(mask[start:start + _ROWS]) + np.int32(start * self.stride)
-
-    def put(self, mask: np.ndarray, cells: np.ndarray) -> None:
-        """Set pixels in a (H, W) mask, in place."""
-        row, col = self.places(cells)
-        mask[row, col] = True
+        return in_parts(found, len(mask), size=mask.shape[1])[0]
 
     def numbers(self, row: np.ndarray, col: np.ndarray) -> np.ndarray:
         """Numbers of the pixels at rows and columns that do not count the rim."""

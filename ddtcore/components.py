@@ -9,9 +9,11 @@ pixels of a row, which leaves few of them in a picture of flat colours.
 
 from __future__ import annotations
 
-from typing import NamedTuple, Optional
+from typing import NamedTuple, Optional, Tuple
 
 import numpy as np
+
+from .parts import in_parts
 
 _MIX = np.uint32(2654435761)
 
@@ -172,21 +174,28 @@ def linked_areas(right: np.ndarray, down: np.ndarray) -> Areas:
     -------
     Areas
     """
-    linked = np.zeros((right.shape[0], down.shape[1]), bool)
-    for one, other, links in ((linked[:, :-1], linked[:, 1:], right), (linked[:-1], linked[1:], down)):
-        one |= links
-        other |= links
     # Only where runs of linked pixels begin and end something is to be done.
-    begins, ends = linked.copy(), linked
-    begins[:, 1:] &= ~right
-    ends[:, :-1] &= ~right
-    heads, tails = np.flatnonzero(begins), np.flatnonzero(ends) + 1
-    needed = down.copy()
-    needed[:, 1:] &= ~(down[:, :-1] & right[:-1] & right[1:])
-    upper = np.flatnonzero(needed)
+    heads, tails, upper = in_parts(lambda rows: _run_ends(right, down, rows), len(right), size=down.shape[1])
     a, b = (np.searchsorted(heads, cells, side="right") - 1 for cells in (upper, upper + down.shape[1]))
     number = components(heads.size, a, b)
     return Areas(heads, tails, number, np.bincount(number, tails - heads).astype(np.int64))
+
+
+def _run_ends(right: np.ndarray, down: np.ndarray, rows: slice) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """First pixels of the runs in some rows, those after their last, and pixels linked to a run below."""
+    beside, below, above = right[rows], down[rows], down[max(rows.start - 1, 0):rows.stop - 1]
+    linked = np.zeros((len(beside), down.shape[1]), bool)
+    linked[:, :-1] = beside
+    linked[:, 1:] |= beside
+    linked[:len(below)] |= below
+    linked[len(linked) - len(above):] |= above
+    begins, ends = linked.copy(), linked
+    begins[:, 1:] &= ~beside
+    ends[:, :-1] &= ~beside
+    needed = below.copy()
+    needed[:, 1:] &= ~(below[:, :-1] & beside[:len(below)] & right[rows.start + 1:rows.start + 1 + len(below)])
+    first = rows.start * down.shape[1]
+    return np.flatnonzero(begins) + first, np.flatnonzero(ends) + first + 1, np.flatnonzero(needed) + first
 
 
 def mask_areas(mask: np.ndarray) -> Areas:

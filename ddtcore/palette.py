@@ -9,11 +9,13 @@ in its anti-aliasing, except where a straight stroke under two pixels covers two
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Tuple
 
 import numpy as np
 
 from .canvas import RIM, Canvas, count_keys, planes
 from .mixes import segment_distance
+from .parts import in_parts
 from .sides import window
 
 MANY = 256
@@ -71,33 +73,45 @@ class Plateaus:
 def find_plateaus(canvas: Canvas, skip: np.ndarray) -> Plateaus:
     """Find the plateaus of a picture and count the pixels of each colour, but for those in `skip` (H, W)."""
     key = canvas.bare(canvas.keys)
-    down = key[1:] == key[:-1]
-    block = (key[1:, 1:] == key[1:, :-1]) & down[:, :-1]
-    block &= down[:, 1:]
-    pairs = block[1:] & block[:-1]
-    full = pairs[:, 1:] & pairs[:, :-1]
-    core = np.zeros(key.shape, bool)
-    core[:-1, :-1] = block
-    core[1:, :-1] |= block
-    core[:, 1:] |= core[:, :-1]
-    if skip.any():
-        core &= ~skip
-        full &= ~skip[1:-1, 1:-1]
-        block &= ~skip[:-1, :-1]
-
-    keys, counts = count_keys(key[core])
-    inner = _tally(keys, key[1:-1, 1:-1][full])
-    sound = _tally(keys, _sound_blocks(canvas, block, keys[inner == 0]))
+    core, block, *counted = in_parts(lambda rows: _flat_rows(key, skip, rows), len(key), size=key.shape[1])
+    keys, counts = _summed(*counted[:2])
+    inner = _tally(keys, *counted[2:])
+    sound = _tally(keys, *count_keys(_sound_blocks(canvas, block, keys[inner == 0])))
     order = np.argsort(-counts, kind="stable")
     return Plateaus(core, keys[order], counts[order], inner[order], sound[order])
 
 
-def _tally(keys: np.ndarray, among: np.ndarray) -> np.ndarray:
-    """How often each of `keys` (rising) occurs in a 1-D array that holds no other values."""
-    values, counts = count_keys(among)
-    out = np.zeros(keys.size, np.int64)
-    out[np.searchsorted(keys, values)] = counts
-    return out
+def _flat_rows(key: np.ndarray, skip: np.ndarray, rows: slice) -> Tuple[np.ndarray, ...]:
+    """Which pixels of some rows lie in 2 x 2 equal ones, which begin such a block, and two counts by colour:
+    of the former, and of those whose eight neighbours are equal, too."""
+    first, last = max(rows.start - 1, 0), min(rows.stop + 1, len(key))
+    some, wanted = key[first:last], ~skip[first:last]
+    down = some[1:] == some[:-1]
+    blocks = (some[1:, 1:] == some[1:, :-1]) & down[:, :-1]
+    blocks &= down[:, 1:]
+    full = blocks[1:] & blocks[:-1]
+    full = full[:, 1:] & full[:, :-1] & wanted[1:-1, 1:-1]
+    top = rows.start - first
+    own = wanted[top:top + rows.stop - rows.start]
+    below, above = blocks[top:], blocks[:rows.stop - 1 - first]
+    core = np.zeros(own.shape, bool)
+    core[:len(below), :-1] = below
+    core[len(core) - len(above):, :-1] |= above
+    core[:, 1:] |= core[:, :-1]
+    core &= own
+    counts = count_keys(some[top:top + len(core)][core]), count_keys(some[1:-1, 1:-1][full])
+    return (core, below & own[:len(below), :-1], *counts[0], *counts[1])
+
+
+def _summed(keys: np.ndarray, counts: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Different values, rising, and the sums of their counts."""
+    values, number = np.unique(keys, return_inverse=True)
+    return values, np.bincount(number, counts, values.size).astype(np.int64)
+
+
+def _tally(keys: np.ndarray, values: np.ndarray, counts: np.ndarray) -> np.ndarray:
+    """How often each of `keys` (rising) was counted among some values, all of which are such."""
+    return np.bincount(np.searchsorted(keys, values), counts, keys.size).astype(np.int64)
 
 
 def _sound_blocks(canvas: Canvas, block: np.ndarray, weak: np.ndarray) -> np.ndarray:
@@ -105,7 +119,12 @@ def _sound_blocks(canvas: Canvas, block: np.ndarray, weak: np.ndarray) -> np.nda
     if not weak.size:
         return weak
     key, down = canvas.keys, canvas.stride
-    at = np.concatenate([cells[_has_one(key[cells], weak)] for cells in canvas.strips(block)])
+
+    def weak_ones(rows: slice) -> Tuple[np.ndarray]:
+        cells = canvas.cells(block[rows], rows.start)
+        return (cells[_has_one(key[cells], weak)],)
+
+    at, = in_parts(weak_ones, len(block), size=canvas.stride)
     sound = np.ones(at.size, bool)
     for across, along in ((down, 1), (1, down)):
         side = key[at - across]
@@ -214,39 +233,41 @@ def known_labels(canvas: Canvas, plateaus: Plateaus, keys: np.ndarray, noise: fl
     """
     if not keys.size:
         return np.full(canvas.keys.size, -1, np.int32)
-    labels = _exact_labels(canvas, keys)
-    colours = planes(keys, canvas.opaque)
+    colours, labels = planes(keys, canvas.opaque), _exact_labels(canvas, keys)
     plain = ~(is_mixed(colours, colours) | _has_twin(colours))
     plain[_WEIGHED:] = False
-    bare = canvas.bare(labels)
-    asked = bare < 0
-    asked |= ~plateaus.core
-    sure = ~asked
-    exact = asked & (bare >= 0)
-    if np.count_nonzero(exact) > HARD * np.count_nonzero(asked):
-        sure |= exact
+    asked, = in_parts(
+        lambda rows: (canvas.cells((canvas.bare(labels)[rows] < 0) | ~plateaus.core[rows], rows.start),),
+        canvas.shape[0], size=canvas.stride)
+    exact = labels[asked] >= 0
+    if np.count_nonzero(exact) > HARD * asked.size:
+        sure = exact
     else:
-        for cells in canvas.strips(exact & np.append(plain, False)[bare]):
-            canvas.put(sure, cells[_touches_equal(labels, cells, canvas.stride)])
-    for cells in canvas.strips(asked):
-        labels[cells] = _nearest_within(canvas, cells, colours, noise)
-    for cells in canvas.strips(~sure & (bare >= 0)):
-        canvas.put(sure, cells[_in_block(labels, cells, canvas.stride)])
-    bare[~sure] = -1
+        sure = exact & np.append(plain, False)[labels[asked]]
+        sure[sure] = _touches_equal(labels, asked[sure], canvas.stride)
+    labels[asked], = in_parts(lambda part: (_nearest_within(canvas, asked[part], colours, noise),), asked.size)
+    asked = asked[~sure]
+    inside, = in_parts(lambda part: (_in_block(labels, asked[part], canvas.stride),), asked.size)
+    labels[asked[~inside]] = -1
     return labels
 
 
 def _exact_labels(canvas: Canvas, keys: np.ndarray) -> np.ndarray:
     """Labels (P,) of the pixels that equal one of the colours `keys`; -1 elsewhere and on the rim."""
     order = np.argsort(keys).astype(np.int32)
-    heads = np.concatenate([[0], np.flatnonzero(canvas.keys[1:] != canvas.keys[:-1]) + 1])
-    value = canvas.keys[heads]
-    place = np.minimum(np.searchsorted(keys[order], value), keys.size - 1)
-    label = np.where(keys[order][place] == value, order[place], np.int32(-1))
-    labels = np.repeat(label, np.diff(np.append(heads, canvas.keys.size)))
-    framed = labels.reshape(-1, canvas.stride)
-    framed[:RIM], framed[-RIM:], framed[:, :RIM], framed[:, -RIM:] = -1, -1, -1, -1
-    return labels
+    framed = canvas.keys.reshape(-1, canvas.stride)
+
+    def of(rows: slice) -> Tuple[np.ndarray]:
+        flat = framed[rows].ravel()
+        heads = np.flatnonzero(np.append(True, flat[1:] != flat[:-1]))
+        value = flat[heads]
+        place = np.minimum(np.searchsorted(keys[order], value), keys.size - 1)
+        label = np.where(keys[order][place] == value, order[place], np.int32(-1))
+        return (np.repeat(label, np.diff(np.append(heads, flat.size))).reshape(-1, canvas.stride),)
+
+    labels, = in_parts(of, len(framed), size=canvas.stride)
+    labels[:RIM], labels[-RIM:], labels[:, :RIM], labels[:, -RIM:] = -1, -1, -1, -1
+    return labels.ravel()
 
 
 def _has_twin(colours: np.ndarray) -> np.ndarray:
@@ -283,11 +304,11 @@ def _touches_equal(labels: np.ndarray, cells: np.ndarray, stride: int) -> np.nda
 
 
 def _in_block(labels: np.ndarray, cells: np.ndarray, stride: int) -> np.ndarray:
-    """Which pixels lie in a 2 x 2 block of equal labels."""
+    """Which pixels lie in a 2 x 2 block of equal labels, of known ones."""
     here = labels[cells]
     inside = np.zeros(cells.size, bool)
     for down in (-stride, stride):
         vertical = labels[cells + down] == here
         for across in (-1, 1):
             inside |= vertical & (labels[cells + across] == here) & (labels[cells + down + across] == here)
-    return inside
+    return inside & (here >= 0)

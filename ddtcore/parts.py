@@ -14,15 +14,17 @@ from typing import Callable, List, Tuple
 import numpy as np
 
 LEAST = 1 << 14
-"""Fewest items of a part: threads would take longer than less work does."""
+"""Fewest pixels of a part: threads would take longer than less work does."""
 
 MOST = 1 << 18
-"""Most items of a part, which bounds the memory that its work needs."""
+"""Most pixels of a part, which bounds the memory that its work needs."""
 
 THREADS = 4
 """Most threads: beyond that memory is what they wait for."""
 
 _limit: List[int] = []
+_busy = threading.local()
+"""Whether a thread does a part already, which is not to be done in parts again."""
 
 
 def limit_threads(count: int) -> None:
@@ -31,13 +33,17 @@ def limit_threads(count: int) -> None:
 
 
 def _threads() -> int:
+    """How many threads there may be for work that begins now."""
+    if getattr(_busy, "now", False):
+        return 1
     if not _limit:
         here = getattr(os, "sched_getaffinity", None)
         limit_threads(min(THREADS, len(here(0)) if here else os.cpu_count() or 1))
     return _limit[0]
 
 
-def in_parts(work: Callable[[slice], Tuple[np.ndarray, ...]], count: int, axis: int = 0) -> Tuple[np.ndarray, ...]:
+def in_parts(work: Callable[[slice], Tuple[np.ndarray, ...]], count: int, axis: int = 0,
+             size: int = 1) -> Tuple[np.ndarray, ...]:
     """Do work on parts of some items, and join what it gives.
 
     Parameters
@@ -48,13 +54,15 @@ def in_parts(work: Callable[[slice], Tuple[np.ndarray, ...]], count: int, axis: 
         Number of items.
     axis : int
         That of the items in these arrays.
+    size : int
+        Pixels of an item, where items are rows.
 
     Returns
     -------
     tuple of ndarray
     """
-    threads = max(min(_threads(), count // LEAST), 1)
-    number = max(threads, -(-count // MOST))
+    threads = max(min(_threads(), count * size // LEAST, count), 1)
+    number = max(threads, min(-(-count * size // MOST), count))
     ends = [count * k // number for k in range(number + 1)]
     parts = [slice(*pair) for pair in zip(ends, ends[1:])]
     if number == 1:
@@ -70,11 +78,14 @@ def _done(work: Callable[[slice], Tuple[np.ndarray, ...]], parts: List[slice],
     faults: List[BaseException] = []
 
     def run(first: int) -> None:
+        _busy.now = True
         try:
             for k in range(first, len(parts), threads):
                 results[k] = work(parts[k])
         except BaseException as error:  # Told to who waits.
             faults.append(error)
+        finally:
+            _busy.now = False
 
     others = [threading.Thread(target=run, args=(k,), daemon=True) for k in range(1, threads)]
     for thread in others:

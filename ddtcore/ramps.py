@@ -15,7 +15,7 @@ from typing import Tuple
 import numpy as np
 
 from .canvas import Canvas, planes
-from .components import block_areas, components, linked_areas
+from .components import block_areas, components, linked_areas, next_among
 from .gradient import BYTES, PRICE
 from .model import Labels
 from .parts import in_parts
@@ -60,15 +60,7 @@ def find_ramps(canvas: Canvas) -> Tuple[np.ndarray, int]:
         How many there are.
     """
     key = canvas.bare(canvas.keys)
-    flat_right, flat_down = key[:, 1:] == key[:, :-1], key[1:] == key[:-1]
-    right = _even_steps(canvas, flat_right, 1)
-    down = _even_steps(canvas, flat_down, canvas.stride)
-    block = right[1:] & right[:-1]
-    block &= down[:, 1:]
-    block &= down[:, :-1]
-    uneven = flat_right[1:] & flat_right[:-1]
-    uneven &= flat_down[:, 1:]
-    np.logical_not(uneven, out=uneven)
+    block, uneven = in_parts(lambda rows: _even_blocks(canvas, key, rows), len(key) - 1, size=key.shape[1])
     corner = np.flatnonzero(block & uneven)
     ramps = np.full(canvas.shape, -1, np.int32)
     count = 0
@@ -80,6 +72,20 @@ def find_ramps(canvas: Canvas) -> Tuple[np.ndarray, int]:
         areas.put(ramps.ravel(), _numbered(chosen, areas.size.size, 0))
         count = chosen.size
     return ramps, _add_narrow(canvas, ramps, count, uneven)
+
+
+def _even_blocks(canvas: Canvas, key: np.ndarray, rows: slice) -> Tuple[np.ndarray, np.ndarray]:
+    """Which 2 x 2 blocks in some rows have even steps on all sides, and which are not of one colour."""
+    some = key[rows.start:rows.stop + 1]
+    flat_right, flat_down = some[:, 1:] == some[:, :-1], some[1:] == some[:-1]
+    right = _even_steps(canvas, flat_right, 1, rows.start)
+    down = _even_steps(canvas, flat_down, canvas.stride, rows.start)
+    block = right[1:] & right[:-1]
+    block &= down[:, 1:]
+    block &= down[:, :-1]
+    flat = flat_right[1:] & flat_right[:-1]
+    flat &= flat_down[:, 1:]
+    return block, ~flat
 
 
 def _numbered(chosen: np.ndarray, size: int, first: int) -> np.ndarray:
@@ -103,9 +109,9 @@ def _add_narrow(canvas: Canvas, ramps: np.ndarray, count: int, uneven: np.ndarra
         return count
     # What is even round pixels that are two apart is connected.
     edges = []
-    for step in window(canvas.stride, 1, 2):
-        place = np.searchsorted(middle, middle + step)
-        near = np.flatnonzero(middle[np.minimum(place, middle.size - 1)] == middle + step)
+    for step in np.sort(window(canvas.stride, 1, 2))[12:]:
+        place = next_among(middle, step)
+        near = np.flatnonzero(place >= 0)
         edges.append((near, place[near]))
     area = components(middle.size, *(np.concatenate(ends) for ends in zip(*edges)))
     levels = _many_levels(area, 9 * np.bincount(area), canvas.keys[middle])
@@ -132,14 +138,11 @@ def _is_plane(canvas: Canvas, cells: np.ndarray) -> np.ndarray:
     return plane
 
 
-def _even_steps(canvas: Canvas, equal: np.ndarray, step: int) -> np.ndarray:
-    """Where a pixel equals the next one, or the step to it is small and like those before and after it."""
-    places = np.flatnonzero(~equal)
-    row, col = np.divmod(places.astype(np.int32), np.int32(equal.shape[1]))
-    cells = canvas.numbers(row, col)
+def _even_steps(canvas: Canvas, equal: np.ndarray, step: int, top: int) -> np.ndarray:
+    """Where pixels of the rows from `top` on equal the next, or the step is small and like those before and after."""
+    cells = canvas.cells(~equal, top)
     out = equal.copy()
-    out.ravel()[places], = in_parts(
-        lambda part: (is_even(*(canvas.colours(cells[part] + k * step) for k in (-1, 0, 1, 2))),), cells.size)
+    out[~equal] = is_even(*(canvas.colours(cells + k * step) for k in (-1, 0, 1, 2)))
     return out
 
 
