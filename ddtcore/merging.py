@@ -14,6 +14,7 @@ import numpy as np
 from .canvas import premultiply
 from .components import label_components
 from .model import Labels
+from .parts import in_parts
 
 MANY = 512
 """Most colours that are grouped by all their distances."""
@@ -43,7 +44,7 @@ def limit_colours(labels: Labels, most: int) -> Labels:
     ramp = labels.ramp
     if ramp is not None:
         ramp = ramp & (np.bincount(into, minlength=into.size) == 1)
-    return drop_unused(replace(labels, index=into.astype(np.int32)[labels.index], ramp=ramp))
+    return drop_unused(replace(labels, index=into.astype(labels.index.dtype)[labels.index], ramp=ramp))
 
 
 def _groups(points: np.ndarray, weights: np.ndarray, most: int) -> np.ndarray:
@@ -90,7 +91,7 @@ def merge_twins(labels: Labels, colours: np.ndarray) -> Labels:
             joined = near[k] & free
             into[joined] = k
             free[joined] = free[k] = False
-    return _renumbered(labels, into)
+    return _renumbered(labels, into, label, length)
 
 
 def ward_groups(points: np.ndarray, weights: np.ndarray, most: int) -> np.ndarray:
@@ -156,11 +157,16 @@ def merge_specks(labels: Labels, area: float,
 
 def _borders(region: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """Regions on both sides of each pixel edge between two of them, seen from either side, int64."""
-    pairs = []
-    for a, b in ((region[:, 1:], region[:, :-1]), (region[1:], region[:-1])):
-        at = np.divmod(np.flatnonzero(a != b), a.shape[1])
-        pairs += [(a[at], b[at]), (b[at], a[at])]
-    one, other = (np.concatenate(side).astype(np.int64) for side in zip(*pairs))
+    def found(rows: slice) -> Tuple[np.ndarray, np.ndarray]:
+        some, pairs = region[rows.start:rows.stop + 1], []
+        own = some[:rows.stop - rows.start]
+        for a, b in ((own[:, 1:], own[:, :-1]), (some[1:], some[:-1])):
+            differ = a != b
+            pairs += [(a[differ], b[differ]), (b[differ], a[differ])]
+        one, other = (np.concatenate(side).astype(np.int64) for side in zip(*pairs))
+        return one, other
+
+    one, other = in_parts(found, len(region), size=region.shape[1])
     return one, other
 
 
@@ -189,15 +195,14 @@ def _best_neighbours(region: np.ndarray, size: np.ndarray, area: float) -> np.nd
 
 def drop_unused(labels: Labels) -> Labels:
     """Remove the colours that no pixel has."""
-    return _renumbered(labels, np.arange(len(labels.palette)))
+    return _renumbered(labels, np.arange(len(labels.palette)), *_label_runs(labels))
 
 
-def _renumbered(labels: Labels, into: np.ndarray) -> Labels:
-    """Labels (K,) replaced by others of them, and those that no pixel has removed."""
-    label, length = _label_runs(labels)
+def _renumbered(labels: Labels, into: np.ndarray, label: np.ndarray, length: np.ndarray) -> Labels:
+    """Labels (K,), of which there are these runs, replaced by others of them, and those that no pixel has removed."""
     used = np.zeros(len(labels.palette), bool)
     used[into[label]] = True
-    number = (np.cumsum(used) - 1).astype(np.int32)[into]
+    number = (np.cumsum(used) - 1).astype(labels.index.dtype)[into]
     if (number == np.arange(len(number))).all():
         return labels
     index = np.repeat(number[label], length).reshape(labels.index.shape)
@@ -207,7 +212,11 @@ def _renumbered(labels: Labels, into: np.ndarray) -> Labels:
 
 
 def _label_runs(labels: Labels) -> Tuple[np.ndarray, np.ndarray]:
-    """The label and the length of each run of pixels, row after row."""
-    flat = labels.index.ravel()
-    heads = np.flatnonzero(np.append(True, flat[1:] != flat[:-1])[:flat.size])
-    return flat[heads], np.diff(np.append(heads, flat.size))
+    """The label and the length of runs of pixels, row after row."""
+    def found(rows: slice) -> Tuple[np.ndarray, np.ndarray]:
+        flat = labels.index[rows].ravel()
+        heads = np.flatnonzero(np.append(True, flat[1:] != flat[:-1])[:flat.size])
+        return flat[heads], np.diff(np.append(heads, flat.size))
+
+    label, length = in_parts(found, len(labels.index), size=labels.index.shape[1])
+    return label, length

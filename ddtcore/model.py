@@ -31,7 +31,7 @@ class Labels:
 
     Attributes
     ----------
-    index : ndarray of shape (H, W) and dtype int32
+    index : ndarray of shape (H, W) and dtype int16 or int32
         Number of the colour in `palette`; never negative.
     palette : ndarray of shape (K, 4) and dtype float64
         Colours, RGBA, 0 to 255, not premultiplied; alpha 0 is "nothing" and never painted.

@@ -66,8 +66,8 @@ def link_outlines(mesh: Mesh, labels: Labels) -> PlanarMap:
 
 
 def frame_labels(index: np.ndarray) -> np.ndarray:
-    """Labels of the framed vertex grid, int32 (H + 2, W + 2), `OUTSIDE` in the ring."""
-    return np.pad(index.astype(np.int32, copy=False), 1, constant_values=OUTSIDE)
+    """Labels of the framed vertex grid (H + 2, W + 2), `OUTSIDE` in the ring."""
+    return np.pad(index, 1, mode="constant", constant_values=OUTSIDE)
 
 
 def _follow(mesh: Mesh, mixed: np.ndarray, crossings: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -200,14 +200,16 @@ def _missing_links(mesh: Mesh) -> Tuple[np.ndarray, np.ndarray]:
     rows, cols = mesh.shape
     origin, end = _edges(mesh)
     step, low = np.abs(end - origin), np.minimum(origin, end)
+    row, col = np.nonzero(mesh.quads)
     missing = []
-    for length, inner, first in ((1, mesh.quads[:-1] & mesh.quads[1:], cols),
-                                 (cols, mesh.quads[:, :-1] & mesh.quads[:, 1:], 1)):
+    for length, down, across in ((1, 1, 0), (cols, 0, 1)):
         present = np.zeros(rows * cols, bool)
         present[low[step == length]] = True
-        row, col = np.divmod(np.flatnonzero(inner), inner.shape[1])
-        at = row * cols + col + first
-        missing.append(at[~present[at]])
+        # Sides between two quads that are meshed begin at the second one's first corner.
+        at = (row + down) * cols + col + across
+        meshed = (row + down < rows - 1) & (col + across < cols - 1)
+        meshed[meshed] = mesh.quads[row[meshed] + down, col[meshed] + across]
+        missing.append(at[meshed & ~present[at]])
     return missing[0], missing[1]
 
 

@@ -225,14 +225,14 @@ def is_mixed(colours: np.ndarray, among: np.ndarray) -> np.ndarray:
 
 
 def known_labels(canvas: Canvas, plateaus: Plateaus, keys: np.ndarray, noise: float) -> np.ndarray:
-    """Labels of the pixels that surely have one of the colours `keys`, int32 (P,) with the rim, else -1.
+    """Labels of the pixels that surely have one of the colours `keys`, int16 (P,) with the rim, else -1.
 
     Sure are plateaus, also those where pixels vary by the level of `noise`; and pixels of
     a colour that is no mix of others, wherever two of them touch; in a picture without
     anti-aliasing all that have a colour of the palette.
     """
     if not keys.size:
-        return np.full(canvas.keys.size, -1, np.int32)
+        return np.full(canvas.keys.size, -1, np.int16)
     colours, labels = planes(keys, canvas.opaque), _exact_labels(canvas, keys)
     plain = ~(is_mixed(colours, colours) | _has_twin(colours))
     plain[_WEIGHED:] = False
@@ -254,7 +254,7 @@ def known_labels(canvas: Canvas, plateaus: Plateaus, keys: np.ndarray, noise: fl
 
 def _exact_labels(canvas: Canvas, keys: np.ndarray) -> np.ndarray:
     """Labels (P,) of the pixels that equal one of the colours `keys`; -1 elsewhere and on the rim."""
-    order = np.argsort(keys).astype(np.int32)
+    order = np.argsort(keys).astype(np.int16)
     framed = canvas.keys.reshape(-1, canvas.stride)
 
     def of(rows: slice) -> Tuple[np.ndarray]:
@@ -262,7 +262,7 @@ def _exact_labels(canvas: Canvas, keys: np.ndarray) -> np.ndarray:
         heads = np.flatnonzero(np.append(True, flat[1:] != flat[:-1]))
         value = flat[heads]
         place = np.minimum(np.searchsorted(keys[order], value), keys.size - 1)
-        label = np.where(keys[order][place] == value, order[place], np.int32(-1))
+        label = np.where(keys[order][place] == value, order[place], np.int16(-1))
         return (np.repeat(label, np.diff(np.append(heads, flat.size))).reshape(-1, canvas.stride),)
 
     labels, = in_parts(of, len(framed), size=canvas.stride)
@@ -282,7 +282,7 @@ def _nearest_within(canvas: Canvas, cells: np.ndarray, colours: np.ndarray, marg
     keys = canvas.keys[cells]
     heads = np.flatnonzero(np.append(True, keys[1:] != keys[:-1])[:cells.size])
     here = planes(keys[heads], canvas.opaque)
-    label = np.full(heads.size, -1, np.int32)
+    label = np.full(heads.size, -1, np.int16)
     least = np.full(heads.size, margin + 0.5, np.float32)
     for k, colour in enumerate(colours.T):
         off = np.abs(here[0] - colour[0])

@@ -16,7 +16,7 @@ import numpy as np
 LEAST = 1 << 14
 """Fewest pixels of a part: threads would take longer than less work does."""
 
-MOST = 1 << 18
+MOST = 1 << 20
 """Most pixels of a part, which bounds the memory that its work needs."""
 
 THREADS = 4

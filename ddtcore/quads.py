@@ -87,7 +87,8 @@ def choose_slash(image: np.ndarray, labels: Labels, quads: np.ndarray, steps: St
     saddle = np.flatnonzero((better == 0) & (steps.top != steps.bottom).any(axis=0))
     slash[saddle] = _slash_is_rarer(image, quads[saddle])
     if labels.thin.any():
-        a, b, c, d = _corner_values(np.where(labels.thin, -1 - labels.index, labels.index), quads)
+        index = _corner_values(labels.index, quads)
+        a, b, c, d = np.where(_corner_values(labels.thin, quads), -1 - index, index)
         along_backslash, along_slash = _thin_link(a, c), _thin_link(b, d)
         slash = np.where(along_backslash != along_slash, along_slash, slash)
     return slash

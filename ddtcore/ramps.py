@@ -141,8 +141,12 @@ def _is_plane(canvas: Canvas, cells: np.ndarray) -> np.ndarray:
 def _even_steps(canvas: Canvas, equal: np.ndarray, step: int, top: int) -> np.ndarray:
     """Where pixels of the rows from `top` on equal the next, or the step is small and like those before and after."""
     cells = canvas.cells(~equal, top)
+    # On edges most steps are large.
+    even = np.abs(canvas.colours(cells + step) - canvas.colours(cells)).max(axis=0) <= STEP
+    some = cells[even]
+    even[even] = is_even(*(canvas.colours(some + k * step) for k in (-1, 0, 1, 2)))
     out = equal.copy()
-    out[~equal] = is_even(*(canvas.colours(cells + k * step) for k in (-1, 0, 1, 2)))
+    out[~equal] = even
     return out
 
 

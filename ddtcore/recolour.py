@@ -80,7 +80,7 @@ def snap(image: np.ndarray, labels: Labels, swatches: np.ndarray, choose: Snap) 
     soft = ramps[labels.index]
     band = np.zeros(labels.index.shape, np.int64)
     band[soft] = choose(image[soft][:, :3])
-    used, index = np.unique(labels.index * np.int64(len(swatches)) + band, return_inverse=True)
+    used, index = np.unique(labels.index.astype(np.int64) * len(swatches) + band, return_inverse=True)
     origin, swatch = np.divmod(used, len(swatches))
     swatch = np.where(ramps[origin], swatch, choose(labels.palette[origin, :3]))
     colours = swatches[swatch].astype(np.float64)

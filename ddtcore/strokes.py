@@ -15,6 +15,7 @@ from typing import Tuple
 import numpy as np
 
 from .canvas import Canvas, planes, unpack
+from .components import next_among
 from .mixes import dot, excess, length, segment_distance, third_share
 from .noise import ROUNDING
 from .parts import in_parts
@@ -85,13 +86,11 @@ def find_ridges(canvas: Canvas, cells: np.ndarray, noise: float) -> Ridges:
     """
     least = LEAST + 2 * (noise - ROUNDING)
     here = canvas.colours(cells)
-    number = np.full(canvas.keys.size, -1, np.int32)
-    number[cells] = np.arange(cells.size, dtype=np.int32)
     height = np.zeros(cells.size, np.float32)
     one, other = here.copy(), here.copy()
     for row, col in _DIRECTIONS:
         step = np.int32(row * canvas.stride + col)
-        before, after, a, b, off = _across(canvas, cells, here, number, step)
+        before, after, a, b, off = _across(canvas, cells, here, step)
         size = length(off)
         peak = (size > least) & (size > height) & canvas.holds(cells - step) & canvas.holds(cells + step)
         # Only a neighbour that stands out to the same side belongs to the same stroke.
@@ -104,10 +103,11 @@ def find_ridges(canvas: Canvas, cells: np.ndarray, noise: float) -> Ridges:
     return Ridges(cells[kept], here, one, other, excess(here, one, other))
 
 
-def _across(canvas: Canvas, cells: np.ndarray, here: np.ndarray, number: np.ndarray,
-            step: np.int32) -> Tuple[np.ndarray, ...]:
+def _across(canvas: Canvas, cells: np.ndarray, here: np.ndarray, step: np.int32) -> Tuple[np.ndarray, ...]:
     """Numbers of the pixels before and after each in one direction, and its `_two_sides`."""
-    before, after = number[cells - step], number[cells + step]
+    after = next_among(cells, int(step))
+    before = np.full(cells.size, -1)
+    before[after[after >= 0]] = np.flatnonzero(after >= 0)
     return (before, after, *in_parts(
         lambda part: _two_sides(canvas, cells[part], here[:, part], before[part], after[part], step),
         cells.size, axis=1))

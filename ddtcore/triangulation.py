@@ -22,6 +22,7 @@ from .cost import EdgeCost
 from .flips import flip_rounds
 from .model import OUTSIDE, Labels, Mesh
 from .options import TraceOptions
+from .parts import in_parts
 from .quads import choose_slash, colour_steps, half_edges, split_planes
 from .raster import packed
 from .ribbon import Ribbon
@@ -75,7 +76,7 @@ def start_ribbon(image: np.ndarray, labels: Labels, options: TraceOptions) -> Tu
     quads : ndarray of shape (H + 1, W + 1) and dtype bool
         Which quads of the framed grid these are.
     """
-    vertex_labels = np.pad(labels.index.astype(np.int32, copy=False), 1, constant_values=OUTSIDE)
+    vertex_labels = np.pad(labels.index, 1, mode="constant", constant_values=OUTSIDE)
     everywhere = options.flips == "everywhere"
     quads = _uneven(vertex_labels)
     if everywhere:
@@ -134,8 +135,12 @@ def _fill(mesh: Mesh, image: np.ndarray, labels: Labels, options: TraceOptions) 
 
 def _uneven(plane: np.ndarray) -> np.ndarray:
     """Quads whose four values are not all equal: bool, one row and one column less."""
-    beside, below = plane[:, 1:] != plane[:, :-1], plane[1:] != plane[:-1]
-    return np.asarray(beside[1:] | beside[:-1] | below[:, 1:])
+    def uneven(rows: slice) -> Tuple[np.ndarray]:
+        some = plane[rows.start:rows.stop + 1]
+        beside, below = some[:, 1:] != some[:, :-1], some[1:] != some[:-1]
+        return (beside[1:] | beside[:-1] | below[:, 1:],)
+
+    return in_parts(uneven, len(plane) - 1, size=plane.shape[1])[0]
 
 
 def _dilated(quads: np.ndarray) -> np.ndarray:
