@@ -18,10 +18,12 @@ from typing import Callable, Tuple
 
 import numpy as np
 
+from .canvas import unpack
 from .model import Labels
 from .options import TraceOptions
+from .parts import in_parts
 from .posterise import ROUGH, rough_share
-from .raster import packed
+from .raster import is_opaque, packed
 from .reduction import reduce
 
 PIXEL = 0.2e-6
@@ -92,10 +94,10 @@ def label_within_budget(image: np.ndarray, options: TraceOptions, label: Callabl
 
 def labelling_seconds(image: np.ndarray, options: TraceOptions) -> float:
     """How long it will take to label a picture (H, W, 4), by a sample of its rows and columns."""
-    opaque = bool((image[..., 3] == 255).all())
+    opaque, key = is_opaque(image), np.ascontiguousarray(image).view(np.uint32)[..., 0]
     steps, rough = 0.0, 1.0
-    for lines in (image, image.swapaxes(0, 1)):
-        keys = packed(lines[::max(1, len(lines) // _LINES)])
+    for lines in (key, key.T):
+        keys = packed(unpack(lines[::max(1, len(lines) // _LINES)]))
         steps += np.count_nonzero(keys[:, 1:] != keys[:, :-1]) / keys.size
         rough = min(rough, rough_share(keys, opaque))
     most = AREAS if options.regions == "areas" else NOISY if rough > ROUGH else np.inf
@@ -107,6 +109,10 @@ def drawing_seconds(labels: Labels, options: TraceOptions) -> float:
     index = labels.index
     if options.result in ("triangles", "border"):
         return TRIANGLES * index.size
-    length = sum(np.count_nonzero(one != other)
-                 for one, other in ((index[1:], index[:-1]), (index[:, 1:], index[:, :-1])))
-    return BOUNDARY * length
+
+    def steps(rows: slice) -> Tuple[np.ndarray]:
+        some = index[rows.start:rows.stop + 1]
+        own = some[:rows.stop - rows.start]
+        return (np.array([np.count_nonzero(some[1:] != some[:-1]) + np.count_nonzero(own[:, 1:] != own[:, :-1])]),)
+
+    return BOUNDARY * float(in_parts(steps, len(index), size=index.shape[1])[0].sum())

@@ -15,6 +15,7 @@ from typing import Tuple
 import numpy as np
 
 from .parts import in_parts
+from .raster import is_opaque
 
 RIM = 3
 """Pixels added on each side, so that windows up to 7 x 7 stay inside the arrays."""
@@ -89,7 +90,7 @@ class Canvas:
 
 def prepare(image: np.ndarray) -> Canvas:
     """Lay out a uint8 (H, W, 4) RGBA picture for labelling."""
-    opaque = bool((image[..., 3] == 255).all())
+    opaque = is_opaque(image)
     keys = np.ascontiguousarray(image).view(np.uint32)[..., 0]
     if not opaque:
         keys = np.where(image[..., 3] == 0, np.uint32(0), keys)
@@ -103,12 +104,18 @@ def unpack(keys: np.ndarray) -> np.ndarray:
 
 def count_keys(keys: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """Different values of a 1-D array, rising, and how often each occurs; quick for long runs."""
-    if not keys.size:
-        return keys, np.zeros(0, np.int64)
-    heads = np.concatenate([[0], np.flatnonzero(keys[1:] != keys[:-1]) + 1])
-    lengths = np.diff(np.append(heads, keys.size))
-    values, number = np.unique(keys[heads], return_inverse=True)
-    return values, np.bincount(number, lengths, values.size).astype(np.int64)
+    return summed_keys(*in_parts(lambda part: _counted_runs(keys[part]), keys.size))
+
+
+def _counted_runs(keys: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    heads = np.flatnonzero(np.append(True, keys[1:] != keys[:-1])[:keys.size])
+    return summed_keys(keys[heads], np.diff(np.append(heads, keys.size)))
+
+
+def summed_keys(keys: np.ndarray, counts: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Different values of a 1-D array, rising, and the sum of the counts of each."""
+    values, number = np.unique(keys, return_inverse=True)
+    return values, np.bincount(number, counts, values.size).astype(np.int64)
 
 
 def premultiply(rgba: np.ndarray) -> np.ndarray:

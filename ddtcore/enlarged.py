@@ -16,6 +16,7 @@ import numpy as np
 
 from .canvas import premultiply
 from .flatten import straightened
+from .raster import is_opaque
 
 LOST = 0.145
 """Largest share of the steps between pixels that an enlarged picture may leave unexplained."""
@@ -140,7 +141,7 @@ def _lost(lines: np.ndarray, name: str, rounds: int) -> float:
 
 def _planes(image: np.ndarray) -> np.ndarray:
     """Premultiplied colours as planes (3, H, W), or (4, H, W) where there is transparency."""
-    opaque = (image[..., 3] == 255).all()
+    opaque = is_opaque(image)
     values = image[..., :3] if opaque else premultiply(image)
     return np.ascontiguousarray(np.moveaxis(values, -1, 0)).astype(np.float32)
 

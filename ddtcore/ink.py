@@ -19,6 +19,7 @@ import numpy as np
 from .model import LINE, Drawing, Labels, Loop, Shape
 from .options import TraceOptions
 from .perception import nearest
+from .raster import is_opaque
 from .recolour import snap
 
 MIDDLE = 127.5
@@ -106,7 +107,7 @@ def separate(image: np.ndarray, labels: Labels) -> Tuple[np.ndarray, Labels]:
     labels : Labels
         With `gradients`.
     """
-    white = [*PAPER, 0 if (image[..., 3] == 255).all() else 255]
+    white = [*PAPER, 0 if is_opaque(image) else 255]
     return snap(image, labels, np.array([BLACK, white]), lambda rgb: (rgb[:, 0] > MIDDLE).astype(np.int64))
 
 

@@ -200,7 +200,7 @@ def _missing_links(mesh: Mesh) -> Tuple[np.ndarray, np.ndarray]:
     rows, cols = mesh.shape
     origin, end = _edges(mesh)
     step, low = np.abs(end - origin), np.minimum(origin, end)
-    row, col = np.nonzero(mesh.quads)
+    row, col = np.divmod(np.flatnonzero(mesh.quads), cols - 1)
     missing = []
     for length, down, across in ((1, 1, 0), (cols, 0, 1)):
         present = np.zeros(rows * cols, bool)

@@ -13,7 +13,7 @@ from typing import Tuple
 
 import numpy as np
 
-from .canvas import RIM, Canvas, count_keys, planes
+from .canvas import RIM, Canvas, count_keys, planes, summed_keys
 from .mixes import segment_distance
 from .parts import in_parts
 from .sides import window
@@ -74,7 +74,7 @@ def find_plateaus(canvas: Canvas, skip: np.ndarray) -> Plateaus:
     """Find the plateaus of a picture and count the pixels of each colour, but for those in `skip` (H, W)."""
     key = canvas.bare(canvas.keys)
     core, block, *counted = in_parts(lambda rows: _flat_rows(key, skip, rows), len(key), size=key.shape[1])
-    keys, counts = _summed(*counted[:2])
+    keys, counts = summed_keys(*counted[:2])
     inner = _tally(keys, *counted[2:])
     sound = _tally(keys, *count_keys(_sound_blocks(canvas, block, keys[inner == 0])))
     order = np.argsort(-counts, kind="stable")
@@ -101,12 +101,6 @@ def _flat_rows(key: np.ndarray, skip: np.ndarray, rows: slice) -> Tuple[np.ndarr
     core &= own
     counts = count_keys(some[top:top + len(core)][core]), count_keys(some[1:-1, 1:-1][full])
     return (core, below & own[:len(below), :-1], *counts[0], *counts[1])
-
-
-def _summed(keys: np.ndarray, counts: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Different values, rising, and the sums of their counts."""
-    values, number = np.unique(keys, return_inverse=True)
-    return values, np.bincount(number, counts, values.size).astype(np.int64)
 
 
 def _tally(keys: np.ndarray, values: np.ndarray, counts: np.ndarray) -> np.ndarray:

@@ -35,7 +35,7 @@ from . import (
 from .budget import label_within_budget
 from .model import Drawing, Labels
 from .options import TraceOptions
-from .raster import check_image
+from .raster import check_image, is_opaque
 from .reduction import enlarge
 
 Progress = Callable[[str, float], object]
@@ -109,7 +109,7 @@ def _original(image: np.ndarray, options: TraceOptions) -> Tuple[np.ndarray, int
 def _draw(image: np.ndarray, labels: Labels, options: TraceOptions, begin: Callable[[str], None]) -> Drawing:
     """All that comes after the labels; what no later stage needs is let go."""
     begin("gradients")
-    opaque = bool((image[..., 3] == 255).all())
+    opaque = is_opaque(image)
     image, labels, painted = _paint(image, labels, options)
     even = unblur.unblur(flatten.flatten(image, labels), labels)
     begin("triangles")

@@ -120,7 +120,8 @@ def _add_narrow(canvas: Canvas, ramps: np.ndarray, count: int, uneven: np.ndarra
     around = np.append(window(canvas.stride, 1, 1), 0)[:, None]
     pairs = np.unique(area[area >= 0].astype(np.int64) << 32 | (middle[area >= 0] + around))
     area, cells = (pairs >> 32).astype(np.int32), pairs.astype(np.uint32).astype(np.int32)
-    held = canvas.rimmed(ramps >= 0, False)[cells + around].any(axis=0)
+    row, col = (np.clip(place, 0, size - 1) for place, size in zip(canvas.places(cells + around), canvas.shape))
+    held = (ramps[row, col] >= 0).any(axis=0)
     fitting = (np.bincount(area, minlength=levels.size) >= AREA) & (np.bincount(area, held, levels.size) == 0)
     number = _numbered(np.flatnonzero(fitting), levels.size, count)[area]
     ramps[canvas.places(cells[number >= 0])] = number[number >= 0]

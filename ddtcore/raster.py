@@ -137,6 +137,12 @@ def packed(image: np.ndarray) -> np.ndarray:
     return np.where(image[..., 3] > 0, keys, np.uint32(0))
 
 
+def is_opaque(image: np.ndarray) -> bool:
+    """Whether all pixels of a uint8 picture (H, W, 4) have alpha 255."""
+    keys = np.ascontiguousarray(image).view(np.uint32).ravel()
+    return bool(np.bitwise_and.reduce(keys)[np.newaxis].view(np.uint8)[3] == 255)
+
+
 def _check_length(length: int, name: str) -> None:
     # What says that it is empty can be endless all the same, as some files in /proc are.
     if length == 0:
