@@ -28,6 +28,9 @@ REACH = 4
 FLAT = 0.03
 """Coverage closer than this to 0 or 1 counts as flat."""
 
+PURE = 14.0
+"""How far a pixel between two sides may be from their mixes, levels."""
+
 
 def place(image: np.ndarray, labels: Labels, mesh: Mesh, planar: PlanarMap,
           options: TraceOptions) -> Polylines:
@@ -93,8 +96,9 @@ def _by_coverage(image: np.ndarray, labels: Labels, mesh: Mesh,
     stairs = find_staircases(planar, arc, edge, shares, contrast, ends)
     hard, dot, hard_points, hard_arc = stairs.hard, stairs.dot, stairs.points, stairs.arc
     inner = np.flatnonzero((planar.left[arc] != 0) & ~hard[arc])
-    inner = inner[_first_in_column(planar.rings, arc[inner], raw[inner], _tangents(planar, arc, raw)[inner])]
     tangent = _tangents(planar, arc, raw)[inner]
+    first = _first_in_column(planar.rings, arc[inner], raw[inner], tangent)
+    inner, tangent = inner[first], tangent[first]
     crossed, one, other = raw[inner], left[inner], right[inner]
     position, sure = in_parts(
         lambda part: _column_sums(image, crossed[part], tangent[part], one[part], other[part]), len(inner))
@@ -147,7 +151,13 @@ def _pixels(image: np.ndarray, points: np.ndarray) -> np.ndarray:
     h, w = image.shape[:2]
     col = np.clip(np.floor(points[..., 0]), 0, w - 1).astype(np.int64)
     row = np.clip(np.floor(points[..., 1]), 0, h - 1).astype(np.int64)
-    return premultiplied(image.reshape(-1, 4)[row * w + col])
+    return premultiplied(_at(image, row * w + col))
+
+
+def _at(image: np.ndarray, pixels: np.ndarray) -> np.ndarray:
+    """Pixels (..., 4) of a picture, numbered row by row."""
+    # Packed, four bytes are moved as one number.
+    return np.ascontiguousarray(image).view(np.uint32).ravel()[pixels][..., np.newaxis].view(np.uint8)
 
 
 def _share(colour: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
@@ -205,12 +215,15 @@ def _column_sums(image: np.ndarray, raw: np.ndarray, tangent: np.ndarray, left: 
     reach = np.arange(-REACH, REACH + 1)
     inside = np.clip(across[:, None] + reach * step[:, None], 0, room[:, None]) - across[:, None]
     flat = (cell[:, 1] * w + cell[:, 0])[:, None] + inside * np.abs(stride)[:, None]
-    colour = premultiplied(image.reshape(-1, 4)[flat])
+    colour = premultiplied(_at(image, flat))
+    colour -= right[:, None]
     span = left - right
-    share = np.einsum("nkc,nc->nk", colour - right[:, None], span)
+    share = np.einsum("nkc,nc->nk", colour, span)
     share /= np.maximum(np.einsum("nc,nc->n", span, span), 1)[:, None]
-    off = np.abs(colour - right[:, None] - np.clip(share, 0, 1)[..., None] * span[:, None]).max(axis=2)
-    total, sure = _sum_between_flats(share, off)
+    total, sure, between = _sum_between_flats(share)
+    item, place = np.nonzero(between)
+    off = np.abs(colour[item, place] - np.clip(share[item, place], 0, 1)[:, None] * span[item]).max(axis=1)
+    sure[item[off >= PURE]] = False
     along = np.where(step > 0, across + total, across + 1 - total)
     position = cell + 0.5
     position[upright, 0], position[~upright, 1] = along[upright], along[~upright]
@@ -218,8 +231,11 @@ def _column_sums(image: np.ndarray, raw: np.ndarray, tangent: np.ndarray, left: 
     return np.where(sure[:, None], position, raw), sure
 
 
-def _sum_between_flats(share: np.ndarray, off: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Sum each row of `share` (N, 2 * REACH + 1) from the nearest 1 before to the nearest 0 after."""
+def _sum_between_flats(share: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Sums of each row of `share` (N, 2 * REACH + 1) between the nearest 1 before and the nearest 0 after.
+
+    Returns also whether both are there and it falls from one to the other, and what lies between them.
+    """
     index = np.arange(2 * REACH + 1)
     high = (share > 1 - FLAT) & (index <= REACH)
     low = (share < FLAT) & (index >= REACH)
@@ -228,8 +244,7 @@ def _sum_between_flats(share: np.ndarray, off: np.ndarray) -> Tuple[np.ndarray, 
     between = (index > begin[:, None]) & (index < end[:, None])
     total = np.where(between, share, 0).sum(axis=1) + begin - REACH + 1
     falling = np.where(between[:, 1:] & between[:, :-1], np.diff(share, axis=1), -1).max(axis=1) < 0.02
-    pure = np.where(between, off, 0).max(axis=1) < 14
-    return total, high.any(axis=1) & low.any(axis=1) & (end >= begin) & falling & pure
+    return total, high.any(axis=1) & low.any(axis=1) & (end >= begin) & falling, between
 
 
 def _assemble(mesh: Mesh, planar: PlanarMap, arc: np.ndarray, points: np.ndarray,

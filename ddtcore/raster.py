@@ -209,10 +209,17 @@ def _to_rgba(image: Image.Image) -> np.ndarray:
     if image.mode.startswith("I") or image.mode == "F":
         return _deep_grey(np.asarray(image), image.info.get("transparency"))
     rgba = np.empty((image.height, image.width, 4), np.uint8)
+    # Pillow holds these with a fourth byte that means nothing.
+    plain = image.mode == "RGB" and "transparency" not in image.info
     # In strips, for conversions need several times the memory of what they convert.
     for top in range(0, image.height, _STRIP):
         strip = image.crop((0, top, image.width, min(top + _STRIP, image.height)))
-        rgba[top:top + _STRIP] = np.asarray(strip.convert("RGBA"))
+        if not plain:
+            strip = strip.convert("RGBA")
+        rgba[top:top + _STRIP] = np.frombuffer(strip.tobytes("raw", "RGBX" if plain else "RGBA"), np.uint8).reshape(
+            strip.height, strip.width, 4)
+    if plain:
+        rgba[..., 3] = 255
     return rgba
 
 

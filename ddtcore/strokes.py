@@ -90,7 +90,7 @@ def find_ridges(canvas: Canvas, cells: np.ndarray, noise: float) -> Ridges:
     one, other = here.copy(), here.copy()
     for row, col in _DIRECTIONS:
         step = np.int32(row * canvas.stride + col)
-        before, after, a, b, off = _across(canvas, cells, here, step)
+        before, after, a, b, off = _across(canvas, cells, here, step, least)
         size = length(off)
         peak = (size > least) & (size > height) & canvas.holds(cells - step) & canvas.holds(cells + step)
         # Only a neighbour that stands out to the same side belongs to the same stroke.
@@ -103,40 +103,51 @@ def find_ridges(canvas: Canvas, cells: np.ndarray, noise: float) -> Ridges:
     return Ridges(cells[kept], here, one, other, excess(here, one, other))
 
 
-def _across(canvas: Canvas, cells: np.ndarray, here: np.ndarray, step: np.int32) -> Tuple[np.ndarray, ...]:
+def _across(canvas: Canvas, cells: np.ndarray, here: np.ndarray, step: np.int32,
+            least: float) -> Tuple[np.ndarray, ...]:
     """Numbers of the pixels before and after each in one direction, and its `_two_sides`."""
     after = next_among(cells, int(step))
     before = np.full(cells.size, -1)
     before[after[after >= 0]] = np.flatnonzero(after >= 0)
     return (before, after, *in_parts(
-        lambda part: _two_sides(canvas, cells[part], here[:, part], before[part], after[part], step),
+        lambda part: _two_sides(canvas, cells[part], here[:, part], before[part], after[part], step, least),
         cells.size, axis=1))
 
 
 def _two_sides(canvas: Canvas, cells: np.ndarray, here: np.ndarray, before: np.ndarray, after: np.ndarray,
-               step: np.int32) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+               step: np.int32, least: float) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Colours at both sides of each pixel in one direction, and how it stands out: those from which it does most.
 
     A stroke that covers two pixels in part is seen past its other half, where the colour
     runs straight from the pixel through that half to the far side, or where the other half
     stands out in the same direction.
     """
-    sides = [canvas.colours(cells - step), canvas.colours(cells + step)]
-    best = [sides[0].copy(), sides[1].copy()]
-    off = excess(here, *sides)
-    square = dot(off, off)
+    best = np.stack([canvas.colours(cells - step), canvas.colours(cells + step)])
+    sides, out = best.copy(), excess(here, *best)
+    square = dot(out, out)
     for far, sign, next_ in ((1, 2, after), (0, -2, before)):
         near, half = sides[1 - far], sides[far]
         beyond = canvas.colours(cells + sign * step)
-        off, twin = excess(here, near, beyond), excess(half, near, beyond)
-        size, agree = dot(off, off) * np.float32(0.998), dot(off, twin)
-        passed = (next_ >= 0) & (agree > 0) & (agree * agree > 0.5 * size * dot(twin, twin))
-        passed |= segment_distance(half, here, beyond)[0] < _STRAIGHT
-        better = np.flatnonzero(passed & (size > square))
-        best[far][:, better] = beyond[:, better]
-        best[1 - far][:, better] = near[:, better]
-        square[better] = size[better]
-    return best[0], best[1], excess(here, *best)
+        off = excess(here, near, beyond)
+        size = dot(off, off) * np.float32(0.998)
+        # Few stand out more, and enough to matter.
+        more = np.flatnonzero(size > np.maximum(square, np.float32(0.99 * least * least)))
+        more = more[_is_passed(here[:, more], near[:, more], half[:, more], beyond[:, more], off[:, more],
+                               next_[more] >= 0)]
+        best[far][:, more], best[1 - far][:, more] = beyond[:, more], near[:, more]
+        square[more] = size[more]
+        out[:, more] = excess(here[:, more], *best[:, :, more])
+    return best[0], best[1], out
+
+
+def _is_passed(here: np.ndarray, near: np.ndarray, half: np.ndarray, beyond: np.ndarray, off: np.ndarray,
+               beside: np.ndarray) -> np.ndarray:
+    """Whether pixels are seen past their other half: it stands out likewise, or lies on the way to the far side."""
+    twin = excess(half, near, beyond)
+    agree = dot(off, twin)
+    size = dot(off, off) * np.float32(0.998)
+    passed = beside & (agree > 0) & (agree * agree > 0.5 * size * dot(twin, twin))
+    return np.asarray(passed | (segment_distance(half, here, beyond)[0] < _STRAIGHT))
 
 
 def new_colours(canvas: Canvas, cells: np.ndarray, ridges: Ridges, colours: np.ndarray, labels: np.ndarray,
