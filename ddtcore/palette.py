@@ -305,4 +305,4 @@ def _in_block(labels: np.ndarray, cells: np.ndarray, stride: int) -> np.ndarray:
         vertical = labels[cells + down] == here
         for across in (-1, 1):
             inside |= vertical & (labels[cells + across] == here) & (labels[cells + down + across] == here)
-    return inside & (here >= 0)
+    return np.asarray(inside & (here >= 0))

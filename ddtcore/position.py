@@ -157,7 +157,8 @@ def _pixels(image: np.ndarray, points: np.ndarray) -> np.ndarray:
 def _at(image: np.ndarray, pixels: np.ndarray) -> np.ndarray:
     """Pixels (..., 4) of a picture, numbered row by row."""
     # Packed, four bytes are moved as one number.
-    return np.ascontiguousarray(image).view(np.uint32).ravel()[pixels][..., np.newaxis].view(np.uint8)
+    keys = np.ascontiguousarray(image).view(np.uint32).ravel()[pixels]
+    return np.asarray(keys[..., np.newaxis].view(np.uint8))
 
 
 def _share(colour: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
