@@ -13,8 +13,9 @@ from typing import Callable, List, Tuple
 
 import numpy as np
 
-LEAST = 1 << 14
-"""Fewest pixels of a part: threads would take longer than less work does."""
+LEAST, LEAST_ROWS = 1 << 14, 1 << 20
+"""Fewest pixels of a part, and of one that is rows, for which less is to be done per pixel: threads would take
+longer than less work does."""
 
 MOST = 1 << 20
 """Most pixels of a part, which bounds the memory that its work needs."""
@@ -61,7 +62,7 @@ def in_parts(work: Callable[[slice], Tuple[np.ndarray, ...]], count: int, axis: 
     -------
     tuple of ndarray
     """
-    threads = max(min(_threads(), count * size // LEAST, count), 1)
+    threads = max(min(_threads(), count * size // (LEAST if size == 1 else LEAST_ROWS), count), 1)
     number = max(threads, min(-(-count * size // MOST), count))
     ends = [count * k // number for k in range(number + 1)]
     parts = [slice(*pair) for pair in zip(ends, ends[1:])]
