@@ -69,7 +69,7 @@ def find_corners(planar: PlanarMap, lines: Polylines, along: Arclength, corner_a
     coarse[bent] = _turn(along, arc[bent], length[bent], skip=1.3, arm=4.0)
     fine[bent] = _turn(along, arc[bent], length[bent], skip=0.4, arm=1.2, curved=False)
     # Rings begin where they are straightest, so that no corner is cut in two.
-    order = _straightest_first(arc, length, np.maximum(coarse, fine), ring[arc])
+    order = _straightest_first(arc, np.maximum(coarse, fine), ring[arc])
     coarse, fine, length = coarse[order], fine[order], length[order]
     length += np.where(length < length[_heads(arc)], along.total[arc], 0)
     chosen = _choose(arc, length, _peaks(coarse, arc, 0.38, 8), _peaks(fine, arc, 0.6, 3))
@@ -102,32 +102,35 @@ def _samples(along: Arclength, inner: np.ndarray) -> Tuple[np.ndarray, np.ndarra
 
 def _heads(arc: np.ndarray) -> np.ndarray:
     """Number of the first sample of each sample's arc."""
-    return np.searchsorted(arc, arc)
+    fresh = np.append(True, arc[1:] != arc[:-1])[:len(arc)]
+    return np.asarray(np.maximum.accumulate(np.where(fresh, np.arange(len(arc)), 0)))
 
 
-def _straightest_first(arc: np.ndarray, length: np.ndarray, turn: np.ndarray, ring: np.ndarray) -> np.ndarray:
+def _straightest_first(arc: np.ndarray, turn: np.ndarray, ring: np.ndarray) -> np.ndarray:
     """Order of the samples in which each ring begins at its least turn."""
-    least = np.lexsort((length, turn, arc))[_heads(arc)]
-    head = _heads(arc)
-    count = np.searchsorted(arc, arc, side="right") - head
-    shift = np.where(ring, least - head, 0)
-    return np.asarray(head + (np.arange(len(arc)) - head + shift) % np.maximum(count, 1))
+    head, count = _heads(arc), np.bincount(arc)[arc]
+    starts = np.flatnonzero(head == np.arange(len(arc)))
+    if not starts.size:
+        return head
+    straightest = np.flatnonzero(turn == np.repeat(np.minimum.reduceat(turn, starts), count[starts]))
+    least = np.empty(len(arc), np.int64)
+    least[head[straightest[::-1]]] = straightest[::-1]
+    shift = np.where(ring, least[head] - head, 0)
+    return np.asarray(head + (np.arange(len(arc)) - head + shift) % count)
 
 
 def _bends(points: np.ndarray, arc: np.ndarray, ring: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """A rough turn at each sample, and the samples near which it is large: there may be corners."""
-    head = _heads(arc)
-    count = np.searchsorted(arc, arc, side="right") - head
+    head, count, closed = _heads(arc), np.bincount(arc)[arc], ring[arc]
     offset = np.arange(len(arc)) - head
     place = points[:, 0] + 1j * points[:, 1]
 
     def turn(k: int) -> np.ndarray:
-        before, after = (np.where(ring[arc], (offset + d) % np.maximum(count, 1), np.clip(offset + d, 0, count - 1))
-                         for d in (-k, k))
-        return np.asarray(np.abs(np.angle((place[head + after] - place) * (place - place[head + before]).conj())))
+        before, after = (np.where(closed, (offset + d) % count, np.clip(offset + d, 0, count - 1)) for d in (-k, k))
+        return np.asarray((place[head + after] - place) * (place - place[head + before]).conj())
 
-    rough = turn(6)
-    bent = (rough > 0.2) | (turn(2) > 0.4)
+    rough, close = np.abs(np.angle(turn(6))), turn(2)
+    bent = (rough > 0.2) | (np.abs(close.imag) > np.tan(0.4) * close.real)
     near = bent.copy()
     for k in range(1, 9):
         near[k:] |= bent[:-k]
