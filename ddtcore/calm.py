@@ -11,6 +11,7 @@ import numpy as np
 from .canvas import Canvas, planes, unpack
 from .noise import noise_level, noisy_colours
 from .palette import find_plateaus
+from .ramps import no_ramps
 from .sides import window
 
 LEFT = 3.0
@@ -37,7 +38,7 @@ def without_grain(canvas: Canvas) -> Optional[Tuple[Canvas, float]]:
         How far pixels of flat areas were from their colour, levels.
     """
     nowhere = np.zeros(canvas.shape, bool)
-    grain, rippled = noise_level(canvas, find_plateaus(canvas, nowhere).core, nowhere - np.int32(1))
+    grain, rippled = noise_level(canvas, find_plateaus(canvas, nowhere).core, no_ramps(canvas.shape))
     if not rippled:
         return None
     even = calm(canvas, grain)

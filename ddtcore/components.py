@@ -9,13 +9,16 @@ pixels of a row, which leaves few of them in a picture of flat colours.
 
 from __future__ import annotations
 
-from typing import NamedTuple, Optional, Tuple
+from typing import Callable, NamedTuple, Optional, Tuple
 
 import numpy as np
 
 from .parts import in_parts
 
 _MIX = np.uint32(2654435761)
+
+_Links = Callable[[int, int], Tuple[np.ndarray, np.ndarray]]
+"""Links to the right and downwards, as for `link_components`, of the rows from a first to before a last one."""
 
 _CHUNK = 1 << 20
 """Pixels written at a time, and a run more."""
@@ -174,26 +177,35 @@ def linked_areas(right: np.ndarray, down: np.ndarray) -> Areas:
     -------
     Areas
     """
+    return _areas(lambda first, last: (right[first:last], down[first:last]), len(right), down.shape[1])
+
+
+def _areas(links: _Links, height: int, width: int) -> Areas:
     # Only where runs of linked pixels begin and end something is to be done.
-    heads, tails, upper = in_parts(lambda rows: _run_ends(right, down, rows), len(right), size=down.shape[1])
-    a, b = (np.searchsorted(heads, cells, side="right") - 1 for cells in (upper, upper + down.shape[1]))
+    heads, tails, upper = in_parts(
+        lambda rows: _run_ends(*links(max(rows.start - 1, 0), min(rows.stop + 1, height)), rows), height, size=width)
+    a, b = (np.searchsorted(heads, cells, side="right") - 1 for cells in (upper, upper + width))
     number = components(heads.size, a, b)
     return Areas(heads, tails, number, np.bincount(number, tails - heads).astype(np.int64))
 
 
 def _run_ends(right: np.ndarray, down: np.ndarray, rows: slice) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """First pixels of the runs in some rows, those after their last, and pixels linked to a run below."""
-    beside, below, above = right[rows], down[rows], down[max(rows.start - 1, 0):rows.stop - 1]
-    linked = np.zeros((len(beside), down.shape[1]), bool)
+    """First pixels of the runs in some rows, those after their last, and pixels linked to a run below.
+
+    Links are those of these rows, and of one row more above and below where there is one.
+    """
+    top, count = min(rows.start, 1), rows.stop - rows.start
+    beside, below, above = right[top:top + count], down[top:top + count], down[:top + count - 1]
+    linked = np.zeros((count, down.shape[1]), bool)
     linked[:, :-1] = beside
     linked[:, 1:] |= beside
     linked[:len(below)] |= below
-    linked[len(linked) - len(above):] |= above
+    linked[count - len(above):] |= above
     begins, ends = linked.copy(), linked
     begins[:, 1:] &= ~beside
     ends[:, :-1] &= ~beside
     needed = below.copy()
-    needed[:, 1:] &= ~(below[:, :-1] & beside[:len(below)] & right[rows.start + 1:rows.start + 1 + len(below)])
+    needed[:, 1:] &= ~(below[:, :-1] & beside[:len(below)] & right[top + 1:top + 1 + len(below)])
     first = rows.start * down.shape[1]
     return np.flatnonzero(begins) + first, np.flatnonzero(ends) + first + 1, np.flatnonzero(needed) + first
 
@@ -211,12 +223,18 @@ def block_areas(block: np.ndarray) -> Areas:
     block : ndarray of shape (H - 1, W - 1) and dtype bool
         Whether pixels (r, c) to (r + 1, c + 1) are a block.
     """
-    right = np.zeros((block.shape[0] + 1, block.shape[1]), bool)
-    down = np.zeros((block.shape[0], block.shape[1] + 1), bool)
-    for links in ((right[1:], right[:-1]), (down[:, 1:], down[:, :-1])):
-        for side in links:
-            side |= block
-    return linked_areas(right, down)
+    height, width = block.shape[0] + 1, block.shape[1] + 1
+
+    def links(first: int, last: int) -> Tuple[np.ndarray, np.ndarray]:
+        below, above = block[first:last], block[max(first - 1, 0):last - 1]
+        right, down = np.zeros((last - first, width - 1), bool), np.zeros((len(below), width), bool)
+        right[:len(below)] = below
+        right[len(right) - len(above):] |= above
+        down[:, :-1] = below
+        down[:, 1:] |= below
+        return right, down
+
+    return _areas(links, height, width)
 
 
 def cell_components(cells: np.ndarray, values: np.ndarray, stride: int) -> np.ndarray:
@@ -243,14 +261,17 @@ def cell_components(cells: np.ndarray, values: np.ndarray, stride: int) -> np.nd
     return components(cells.size, *(np.concatenate(ends) for ends in zip(*edges)))
 
 
+def places_among(cells: np.ndarray, aims: np.ndarray) -> np.ndarray:
+    """The places of some pixels among others, which rise and hold at least one; -1 for those that are none of them."""
+    place = np.searchsorted(cells, aims)
+    place[place == cells.size] = 0
+    place[cells[place] != aims] = -1
+    return np.asarray(place)
+
+
 def next_among(cells: np.ndarray, step: int) -> np.ndarray:
     """For each of some pixels, rising, the place among them of the one that is a step farther, -1 if it's none."""
-    aim = cells + cells.dtype.type(step)
-    place = np.searchsorted(cells, aim)
-    place[place == cells.size] = 0
-    if cells.size:
-        place[cells[place] != aim] = -1
-    return np.asarray(place)
+    return places_among(cells, cells + cells.dtype.type(step)) if cells.size else np.zeros(0, np.intp)
 
 
 def label_components(labels: np.ndarray, connectivity: int = 4) -> np.ndarray:

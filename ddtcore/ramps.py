@@ -54,28 +54,41 @@ def find_ramps(canvas: Canvas) -> Tuple[np.ndarray, int]:
 
     Returns
     -------
-    ramps : ndarray of shape (H, W) and dtype int32
-        Number of the ramp of each pixel, -1 where there is none.
+    ramps : ndarray of shape (H, W) and dtype int16
+        Number of the ramp of each pixel, -1 where there is none.  Without any, it takes no
+        memory and must not be written to.
     count : int
         How many there are.
     """
     key = canvas.bare(canvas.keys)
-    block, uneven = in_parts(lambda rows: _even_blocks(canvas, key, rows), len(key) - 1, size=key.shape[1])
-    corner = np.flatnonzero(block & uneven)
-    ramps = np.full(canvas.shape, -1, np.int32)
-    count = 0
-    if corner.size >= AREA:
-        row, col = np.divmod(corner, block.shape[1])
-        sloped = row * key.shape[1] + col
+    block, uneven, sloped, level = in_parts(
+        lambda rows: _even_blocks(canvas, key, rows), len(key) - 1, size=key.shape[1])
+    ramps, count = no_ramps(canvas.shape), 0
+    if sloped.size >= AREA:
         areas = block_areas(block)
-        chosen = _many_levels(areas.at(sloped), areas.size, key[row, col])
-        areas.put(ramps.ravel(), _numbered(chosen, areas.size.size, 0))
+        chosen = _many_levels(areas.at(sloped), areas.size, level)
         count = chosen.size
-    return ramps, _add_narrow(canvas, ramps, count, uneven)
+        if count:
+            ramps = ramps.copy()
+            areas.put(ramps.ravel(), _numbered(chosen, areas.size.size, 0))
+    cells, number = _narrow(canvas, ramps, count, uneven)
+    if not cells.size:
+        return ramps, count
+    ramps = ramps if count else ramps.copy()
+    ramps[canvas.places(cells)] = number
+    return ramps, int(number.max()) + 1
 
 
-def _even_blocks(canvas: Canvas, key: np.ndarray, rows: slice) -> Tuple[np.ndarray, np.ndarray]:
-    """Which 2 x 2 blocks in some rows have even steps on all sides, and which are not of one colour."""
+def no_ramps(shape: Tuple[int, int]) -> np.ndarray:
+    """-1 for each pixel, all of them in the same place."""
+    return np.broadcast_to(np.int16(-1), shape)
+
+
+def _even_blocks(canvas: Canvas, key: np.ndarray, rows: slice) -> Tuple[np.ndarray, ...]:
+    """Which 2 x 2 blocks in some rows have even steps on all sides, and which are not of one colour.
+
+    And of those that are both, the first pixels, numbered row by row, and their packed colours.
+    """
     some = key[rows.start:rows.stop + 1]
     flat_right, flat_down = some[:, 1:] == some[:, :-1], some[1:] == some[:-1]
     right = _even_steps(canvas, flat_right, 1, rows.start)
@@ -85,28 +98,34 @@ def _even_blocks(canvas: Canvas, key: np.ndarray, rows: slice) -> Tuple[np.ndarr
     block &= down[:, :-1]
     flat = flat_right[1:] & flat_right[:-1]
     flat &= flat_down[:, 1:]
-    return block, ~flat
+    uneven = ~flat
+    row, col = np.nonzero(block & uneven)
+    return block, uneven, (rows.start + row) * key.shape[1] + col, some[row, col]
 
 
 def _numbered(chosen: np.ndarray, size: int, first: int) -> np.ndarray:
     """Numbers from `first` on for the chosen ones of some areas, -1 for the others."""
-    number = np.full(size, -1, np.int32)
+    number = np.full(size, -1, np.int16)
     number[chosen] = np.arange(first, first + chosen.size)
     return number
 
 
-def _add_narrow(canvas: Canvas, ramps: np.ndarray, count: int, uneven: np.ndarray) -> int:
-    """Number further ramps, apart from the others, that are even within 3 x 3 only, in place."""
-    busy = np.zeros(canvas.shape, bool)
-    busy[1:-1, 1:-1] = uneven[1:, 1:] & uneven[:-1, :-1]
-    busy[1:-1, 1:-1] &= uneven[1:, :-1] & uneven[:-1, 1:]
-    if count:
-        busy &= ramps < 0
-    cells = canvas.cells(busy)
+def _narrow(canvas: Canvas, ramps: np.ndarray, count: int, uneven: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Pixels of ramps apart from the first `count`, even within 3 x 3 only, and the numbers of these further ones."""
+    def busy(rows: slice) -> Tuple[np.ndarray]:
+        some = uneven[rows.start:rows.stop + 1]
+        both = some[1:] & some[:-1]
+        both = both[:, 1:] & both[:, :-1]
+        if count:
+            both &= ramps[rows.start + 1:rows.stop + 1, 1:-1] < 0
+        row, col = np.divmod(np.flatnonzero(both).astype(np.int32), np.int32(max(both.shape[1], 1)))
+        return (canvas.numbers(row + np.int32(rows.start + 1), col + np.int32(1)),)
+
+    cells, = in_parts(busy, max(len(uneven) - 1, 0), size=canvas.stride)
     even, = in_parts(lambda part: (_is_plane(canvas, cells[part]),), cells.size)
     middle = cells[even]
     if 9 * middle.size < AREA:
-        return count
+        return middle[:0], middle[:0]
     # What is even round pixels that are two apart is connected.
     edges = []
     for step in np.sort(window(canvas.stride, 1, 2))[12:]:
@@ -124,8 +143,7 @@ def _add_narrow(canvas: Canvas, ramps: np.ndarray, count: int, uneven: np.ndarra
     held = (ramps[row, col] >= 0).any(axis=0)
     fitting = (np.bincount(area, minlength=levels.size) >= AREA) & (np.bincount(area, held, levels.size) == 0)
     number = _numbered(np.flatnonzero(fitting), levels.size, count)[area]
-    ramps[canvas.places(cells[number >= 0])] = number[number >= 0]
-    return count + int(np.count_nonzero(fitting))
+    return cells[number >= 0], number[number >= 0]
 
 
 def _is_plane(canvas: Canvas, cells: np.ndarray) -> np.ndarray:

@@ -89,7 +89,7 @@ def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
         noise, rippled, keys = ROUNDING, False, plain
     elif noise > ROUNDING:
         # The ramps are ripples of flat colours.
-        slopes, count = np.full(canvas.shape, -1, np.int32), 0
+        slopes, count = ramps.no_ramps(canvas.shape), 0
         plateaus = palette.find_plateaus(canvas, slopes >= 0)
         keys = _with_inks(canvas, noisy_colours(canvas, plateaus, noise, grain or noise), inks)
     else:

@@ -15,7 +15,7 @@ from typing import Tuple
 import numpy as np
 
 from .canvas import Canvas, planes, unpack
-from .components import next_among
+from .components import next_among, places_among
 from .mixes import dot, excess, length, segment_distance, third_share
 from .noise import ROUNDING
 from .parts import in_parts
@@ -286,15 +286,16 @@ def _continuing(canvas: Canvas, cells: np.ndarray, label: np.ndarray, strong: np
                 labels: np.ndarray) -> np.ndarray:
     """Which ridge pixels lead to strong ones through others of the same label, away from areas of it, bool (R,)."""
     ring = window(canvas.stride, 1, 1)[:, None]
-    stroke = np.full(labels.size, -1, np.int32)
-    stroke[cells[strong]] = label[strong]
     weak = np.flatnonzero(~strong & (label >= 0))
     weak = weak[(labels[cells[weak] + ring] != label[weak]).all(axis=0)]
+    beside = places_among(cells, cells[weak] + ring)
+    # The last one stands for pixels that are no ridges.
+    stroke = np.append(np.where(strong, label, -1), -1)
     for _ in range(_ROUNDS):
-        led = (stroke[cells[weak] + ring] == label[weak]).any(axis=0)
-        stroke[cells[weak[led]]] = label[weak[led]]
-        weak = weak[~led]
-    return np.asarray(stroke[cells] >= 0)
+        led = (stroke[beside] == label[weak]).any(axis=0)
+        stroke[weak[led]] = label[weak[led]]
+        weak, beside = weak[~led], beside[:, ~led]
+    return stroke[:-1] >= 0
 
 
 def lone_corners(labels: np.ndarray, thin: np.ndarray, cells: np.ndarray, stride: int) -> np.ndarray:
@@ -346,13 +347,11 @@ def _near(canvas: Canvas, cells: np.ndarray, labels: np.ndarray, chosen: np.ndar
 
 def _along_strokes(canvas: Canvas, ridges: Ridges, vote: np.ndarray) -> np.ndarray:
     """Average votes (R, K) over neighbouring ridge pixels that stand out in the same direction."""
-    number = np.full(canvas.keys.size, -1, np.int32)
-    number[ridges.cells] = np.arange(ridges.cells.size, dtype=np.int32)
     unit = ridges.off / ridges.height
     total = np.ones((len(vote), 1), np.float32)
     links = []
     for step in window(canvas.stride, 1, 1):
-        other = number[ridges.cells + step]
+        other = next_among(ridges.cells, step)
         agree = dot(unit, unit[:, other])
         rows = np.flatnonzero((other >= 0) & (agree > 0))
         weight = (agree[rows] ** 2)[:, None]
