@@ -29,6 +29,7 @@ from typing import NamedTuple, Tuple
 
 import numpy as np
 
+from .components import next_among
 from .cost import EdgeCost, premultiplied_levels
 from .model import Labels
 
@@ -120,10 +121,8 @@ def half_edges(quads: np.ndarray, slash: np.ndarray, shape: Tuple[int, int]) -> 
     first = 6 * np.arange(len(quads))
     left, right = first + np.where(slash, 2, 4), first + np.where(slash, 5, 1)
     diagonal, opposite = first + np.where(slash, 1, 2), first + np.where(slash, 4, 5)
-    number = np.full(shape[0] * shape[1], -1, np.int32)
-    number[quads] = np.arange(len(quads))
-    above = np.where(row > 0, number[quads - shape[1]], -1)
-    before = np.where(col > 0, number[quads - 1], -1)
+    above = next_among(quads, -shape[1])
+    before = np.where((np.diff(quads, prepend=-2) == 1) & (col > 0), np.arange(len(quads)) - 1, -1)
     twins = np.full(6 * len(quads), -1)
     for edges, others in ((diagonal, opposite),
                           (first[above >= 0], first[above[above >= 0]] + 3),

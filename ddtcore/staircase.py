@@ -80,11 +80,10 @@ def find_staircases(planar: PlanarMap, arc: np.ndarray, edge: np.ndarray, shares
     upright = step[axis, 0] != 0
     hard = hard_arcs(planar, arc[axis], upright, plain[axis])
     dot = dot_arcs(planar, arc, plain)
-    # The left side is where the edge ends: the walk goes at a right angle to it.
-    walk, middle = np.stack([-step[:, 1], step[:, 0]], axis=1), edge.mean(axis=1)
     exact, runs = axis[dot[arc[axis]]], axis[(hard & ~dot)[arc[axis]]]
-    dot_arc, corners = along_pixels(planar.rings, arc[exact], walk[exact], middle[exact])
-    run_arc, points = through_runs(planar.rings, arc[runs], walk[runs], middle[runs])
+    # The left side is where the edge ends: the walk goes at a right angle to it.
+    dot_arc, corners = along_pixels(planar.rings, arc[exact], step[exact, ::-1] * [-1, 1], edge[exact].mean(axis=1))
+    run_arc, points = through_runs(planar.rings, arc[runs], step[runs, ::-1] * [-1, 1], edge[runs].mean(axis=1))
     # An open arc gives its junctions their place.
     first = np.flatnonzero(np.diff(dot_arc, prepend=-1).astype(bool) & ~planar.rings[dot_arc])
     last = np.searchsorted(dot_arc, dot_arc[first], side="right") - 1
