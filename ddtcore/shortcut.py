@@ -10,6 +10,7 @@ that is none, or nearly, may go anyway.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Tuple
 
 import numpy as np
@@ -74,21 +75,30 @@ def _needless(triangles: np.ndarray, rank: np.ndarray, ranks: RankMap) -> np.nda
     for level, spacing, most in _LOOKS:
         some = np.flatnonzero(~needless & (longest <= most) & ((level > 0) | (turn < 0)))
         least = rank[some] + (turn[some] >= 0)
-        needless[some] = _free(triangles[some], longest[some], least, ranks, level, spacing)
+        steps = np.ceil(np.append(longest[some], most) / spacing).astype(np.int64) + 1
+        needless[some] = _free(triangles[some], steps[:-1], int(steps[-1]), least, ranks, level)
     return np.asarray(needless)
 
 
-def _free(triangles: np.ndarray, longest: np.ndarray, least: np.ndarray, ranks: RankMap, level: int,
-          spacing: float) -> np.ndarray:
-    """In which triangles (T, 3, 2) nothing is painted before the rank `least` (T,)."""
-    steps = np.ceil(longest / spacing).astype(np.int64) + 1
-    which = np.repeat(np.arange(len(steps)), (steps + 1) ** 2)
-    u, v = np.divmod(ranges(np.zeros(len(steps), np.int64), (steps + 1) ** 2), (steps + 1)[which])
-    inside = u + v <= steps[which]
-    u, v, which = u[inside], v[inside], which[inside]
-    weights = np.stack([steps[which] - u - v, u, v], axis=1) / steps[which][:, None]
-    seen = ranks.lowest(np.einsum("nk,nkd->nd", weights, triangles[which]), level)
-    return np.asarray(np.bincount(which, seen < least[which], minlength=len(steps)) == 0)
+def _free(triangles: np.ndarray, steps: np.ndarray, most: int, least: np.ndarray, ranks: RankMap,
+          level: int) -> np.ndarray:
+    """In which triangles (T, 3, 2), with so many steps along their sides, nothing is painted before `least` (T,)."""
+    begin, weights = _samples(most)
+    count = np.diff(begin)[steps]
+    which = np.repeat(np.arange(len(steps)), count)
+    places = np.einsum("nk,nkd->nd", weights[ranges(begin[steps], count)], triangles[which])
+    return np.asarray(np.bincount(which, ranks.lowest(places, level) < least[which], minlength=len(steps)) == 0)
+
+
+@lru_cache(maxsize=None)
+def _samples(most: int) -> Tuple[np.ndarray, np.ndarray]:
+    """Where those for each number of steps begin, of weights (N, 3) of a triangle's corners at places all over it.
+
+    The steps are those along its sides, from 0 to `most`.
+    """
+    side = np.arange(most + 1)
+    steps, u, v = np.nonzero(side[:, None] + side <= side[:, None, None])
+    return begins(np.bincount(steps)), np.stack([steps - u - v, u, v], axis=1) / np.maximum(steps, 1)[:, None]
 
 
 def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
