@@ -32,7 +32,8 @@ class Arclength:
         # A gap between arcs keeps the whole table rising.
         piece[starts[:-1]] = 1.0
         self._table = np.cumsum(piece)
-        self._points = points
+        # As complex numbers, both coordinates are looked up at once.
+        self._places = np.ascontiguousarray(points).view(np.complex128)[:, 0]
         self._base = self._table[starts[:-1]]
         self._ring = ring
         self.total = self._table[starts[1:] - 1] - self._base
@@ -45,4 +46,4 @@ class Arclength:
         total = self.total[arc]
         inside = np.where(self._ring[arc], np.mod(length, np.maximum(total, 1e-9)), np.clip(length, 0, total))
         query = self._base[arc] + inside
-        return np.stack([np.interp(query, self._table, self._points[:, k]) for k in (0, 1)], axis=-1)
+        return np.interp(query, self._table, self._places).view(np.float64).reshape(-1, 2)
