@@ -46,4 +46,4 @@ class Arclength:
         total = self.total[arc]
         inside = np.where(self._ring[arc], np.mod(length, np.maximum(total, 1e-9)), np.clip(length, 0, total))
         query = self._base[arc] + inside
-        return np.interp(query, self._table, self._places).view(np.float64).reshape(-1, 2)
+        return np.asarray(np.interp(query, self._table, self._places)).view(np.float64).reshape(-1, 2)

@@ -64,13 +64,14 @@ def noise_level(canvas: Canvas, core: np.ndarray, slopes: np.ndarray) -> Tuple[f
     here, span = canvas.colours(cells), _spans(canvas, cells)
     bends = [canvas.colours(cells - step) + canvas.colours(cells + step) - 2 * here
              for step in (1, canvas.stride)]
-    uneven = (np.abs(bends).max(axis=(0, 1)) > _UNEVEN) & ~_between_plateaus(canvas, core, cells, span)
+    uneven = (np.abs(bends).max(axis=(0, 1)) > _UNEVEN) & (span <= _HIGH)
+    uneven[uneven] = ~_between_plateaus(canvas, core, cells[uneven], span[uneven])
     rippled = np.mean(uneven & (span <= _LOW))
     if rippled < 0.05 or rippled * share < 0.005:
         return ROUNDING, False
     if _sloping_area(canvas, slopes) > 0.1 * slopes.size:
         return ROUNDING, True
-    return float(min(STRONGEST, 1.3 * np.median(span[uneven & (span <= _HIGH)]))), True
+    return float(min(STRONGEST, 1.3 * np.median(span[uneven]))), True
 
 
 def mixing_error(canvas: Canvas, labels: np.ndarray, cells: np.ndarray) -> float:
