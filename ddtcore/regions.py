@@ -13,7 +13,21 @@ from typing import List, Optional, Tuple
 
 import numpy as np
 
-from . import areas, detached, margins, merging, overlays, palette, ramps, ringing, scraps, sides, strokes, surfaces
+from . import (
+    areas,
+    detached,
+    margins,
+    merging,
+    overlays,
+    palette,
+    ramps,
+    ringing,
+    scraps,
+    sides,
+    strokes,
+    surfaces,
+    uneven,
+)
 from .calm import LEFT, without_grain
 from .canvas import Canvas, mean_colours, planes, prepare, unpack
 from .growing import Surface
@@ -129,6 +143,8 @@ def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
     result = Labels(index=index, palette=colours, thin=thin, ramp=np.arange(len(colours)) >= keys.size,
                     gradients=(*[None] * keys.size, *gradients))
     result = merging.merge_twins(result, canvas.mixing(colours))
+    if noise > ROUNDING and rippled:
+        result = uneven.join_slopes(canvas, result, noise)
     if specks > DITHER * cells.size + 10:
         return merging.merge_specks(result, SPECK)
     return _merge_ripples(canvas, result, noise) if rippled else merging.drop_unused(result)
