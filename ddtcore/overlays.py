@@ -14,6 +14,7 @@ from typing import List, Optional, Sequence, Tuple
 import numpy as np
 
 from . import shades
+from .astride import part_astride
 from .canvas import Canvas, planes
 from .components import cell_components
 from .gradient import PRICE
@@ -109,7 +110,8 @@ def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: 
         return count, np.zeros(0, np.uint32)
     sides = side_colours(canvas, known, cells, samples, surfaces)
     here = canvas.colours(cells)
-    base = sides[:, beside[:, some].argmax(axis=0), np.arange(cells.size)]
+    nearest = beside[:, some].argmax(axis=0), np.arange(cells.size)
+    base, ramp = sides[(slice(None), *nearest)], known[samples[nearest]]
     off = unexplained(here, sides, samples)
     drawn = np.flatnonzero(off > FAINT)
     cells, here, base, off = cells[drawn], here[:, drawn], base[:, drawn], off[drawn]
@@ -117,6 +119,7 @@ def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: 
     clear = (np.bincount(area, off > LEAST) >= AREA)[area]
     drawn, cells, here, base, off = drawn[clear], cells[clear], here[:, clear], base[:, clear], off[clear]
     area = shades.part(canvas, cells, here - base, area[clear])
+    area = part_astride(canvas, cells, area, ramp[drawn], surfaces)
     size = np.bincount(area)
     pays = np.bincount(area, off ** 2) >= PRICE * BYTES
     chosen = np.flatnonzero((size >= AREA) & pays & ~_flat(area, here, base, planes(keys, canvas.opaque)))

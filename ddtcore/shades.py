@@ -60,12 +60,12 @@ def part(canvas: Canvas, cells: np.ndarray, off: np.ndarray, area: np.ndarray) -
     ndarray of shape (N,)
         Numbers of areas, or of parts of them, each of one thing.
     """
-    core, size = _cores(canvas, cells, off, area)
+    core, size = cores(canvas, cells, off, area)
     inside = core >= 0
     owner = np.full(size.size, -1, area.dtype)
     owner[core[inside]] = area[inside]
     change = np.stack([np.bincount(core[inside], plane[inside], size.size) for plane in off])
-    near = _neighbours(canvas, cells, area)
+    near = neighbours(canvas, cells, area)
     alike = _alike(near, off)
     unlikeness = np.full((KINDS, area.size), _FAR)
     unlikeness[0] = 0
@@ -85,15 +85,15 @@ def part(canvas: Canvas, cells: np.ndarray, off: np.ndarray, area: np.ndarray) -
             most = unlike & (beside >= np.percentile(beside[unlike], 75))
             kinds = np.append(kinds, _direction(some[:, most].sum(axis=1, keepdims=True)), axis=1)
         unlikeness[:kinds.shape[1], members[number]] = np.minimum(_distance(some, kinds), _MOST)
-    kind = _smooth(near, unlikeness).argmin(axis=0)
+    kind = smooth(near, unlikeness).argmin(axis=0)
     for _ in range(2):
         scrap = np.flatnonzero(_sizes(canvas, cells, area * KINDS + kind) < AREA)
         unlikeness[kind[scrap], scrap] = _FAR
-        kind = _smooth(near, unlikeness).argmin(axis=0)
+        kind = smooth(near, unlikeness).argmin(axis=0)
     return np.unique(area * KINDS + kind, return_inverse=True)[1].ravel()
 
 
-def _cores(canvas: Canvas, cells: np.ndarray, off: np.ndarray, area: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+def cores(canvas: Canvas, cells: np.ndarray, off: np.ndarray, area: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """Number of the evenly changed place that each pixel belongs to, -1 for none, and the sizes of these."""
     right, down = (next_among(cells, step) for step in (1, canvas.stride))
     across, along = (_even(place, off, area) for place in (right, down))
@@ -149,7 +149,7 @@ def _beside(off: np.ndarray, kinds: np.ndarray) -> Tuple[np.ndarray, np.ndarray]
     return beside, beside > np.maximum(OFF, SHARE * size)
 
 
-def _smooth(near: Sequence[_Beside], values: np.ndarray) -> np.ndarray:
+def smooth(near: Sequence[_Beside], values: np.ndarray) -> np.ndarray:
     """Sums of the values (n, N) of each pixel and of the pixels of its area round it."""
     total = 2 * values
     for same, beside in near:
@@ -165,7 +165,7 @@ def _alike(near: Sequence[_Beside], off: np.ndarray) -> np.ndarray:
     return alike
 
 
-def _neighbours(canvas: Canvas, cells: np.ndarray, area: np.ndarray) -> List[_Beside]:
+def neighbours(canvas: Canvas, cells: np.ndarray, area: np.ndarray) -> List[_Beside]:
     """For each of eight directions, which pixels have a neighbour in their area, and which one."""
     found = []
     for step in window(canvas.stride, 1, 1).tolist():
