@@ -54,7 +54,7 @@ def tinted(base: Gradient, samples: Samples) -> Optional[Gradient]:
     colour, below = colour[:, :3], below[:, :3]
     weight = samples.count
     for _ in range(_ROUNDS):
-        middle, under = (np.average(values, axis=0, weights=weight) for values in (colour, below))
+        middle, under = (weight.dot(values) / weight.sum() for values in (colour, below))
         spread = weight.dot(((below - under) ** 2).sum(axis=1))
         share = weight.dot(((below - under) * (colour - middle)).sum(axis=1)) / max(spread, 1e-9)
         share = min(max(share, 0.0), 1.0)
@@ -72,13 +72,15 @@ def _levels(rgb: np.ndarray) -> Tuple[int, int, int]:
 
 def strengthened(tint: Gradient, base: Gradient, samples: Samples) -> Gradient:
     """A tint of `base` as the samples that are covered in full tell it: narrow things, and tips, are not everywhere."""
+    below, before = colours_at(base, samples.points)[:, :3], np.ones(len(samples.points), bool)
     for _ in range(_ROUNDS):
-        above, below = (colours_at(gradient, samples.points)[:, :3] for gradient in (tint, base))
-        change = above - below
+        change = colours_at(tint, samples.points)[:, :3] - below
         cover = ((samples.colour - below) * change).sum(axis=1) / np.maximum((change ** 2).sum(axis=1), 1)
         fullest = weighted_quantile(cover, samples.count, _FULLEST)
         full = cover >= min(fullest, _FULL * fullest)
-        tint = tinted(base, Samples(*(values[full] for values in samples))) or tint
+        if (full == before).all():
+            break
+        tint, before = tinted(base, Samples(*(values[full] for values in samples))) or tint, full
     return tint
 
 
