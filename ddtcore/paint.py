@@ -166,9 +166,11 @@ def _errors(off: np.ndarray, number: np.ndarray, weight: np.ndarray) -> np.ndarr
 
 
 def _paint(mean: np.ndarray, gradient: Optional[Gradient]) -> Paint:
-    """The paint of a face with this premultiplied mean colour."""
+    """The paint of a face with this premultiplied mean colour: flat where all stops of its gradient are alike."""
     r, g, b = np.clip(np.rint(mean[:3] * 255 / max(mean[3], 1e-9)), 0, 255).astype(int).tolist()
     level = int(np.rint(mean[3]))
+    if gradient is not None and len({stop[1:] for stop in gradient.stops}) == 1:
+        gradient = None
     if gradient is not None and any(stop[2] < 1 for stop in gradient.stops):
         # Visible, but not opaque, whatever the mean is rounded to.
         level = min(max(level, 1), 254)
