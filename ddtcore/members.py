@@ -126,12 +126,18 @@ def _even(image: np.ndarray, regions: np.ndarray, cells: np.ndarray) -> np.ndarr
 def _height(image: np.ndarray, regions: np.ndarray, cells: np.ndarray) -> np.ndarray:
     """How far the colours of pixels are from the mean of those of other regions within 7 x 7."""
     colours, own = image.reshape(-1, 4), regions.ravel()[cells]
-    total, count = np.zeros((cells.size, 4)), np.zeros((cells.size, 1))
+    opaque = bool((image[..., 3] == 255).all())
+
+    def colours_of(some: np.ndarray) -> np.ndarray:
+        rgba = colours[some].astype(np.float32)
+        return rgba if opaque else premultiply(rgba)
+
+    total, count = np.zeros((cells.size, 4), np.float32), np.zeros((cells.size, 1), np.float32)
     for _, near, _ in _around(cells, regions.shape, 3):
-        other = np.flatnonzero(regions.ravel()[near] != own)
-        total[other] += premultiply(colours[near[other]].astype(np.float64))
-        count[other] += 1
-    off = premultiply(colours[cells].astype(np.float64)) - total / np.maximum(count, 1)
+        other = (regions.ravel()[near] != own)[:, None]
+        total += colours_of(near) * other
+        count += other
+    off = colours_of(cells) - total / np.maximum(count, 1)
     return np.asarray(np.sqrt((off ** 2).sum(axis=1)))
 
 

@@ -14,6 +14,7 @@ from typing import List, Optional, Sequence, Tuple
 import numpy as np
 
 from . import shades
+from .astride import part_astride
 from .canvas import Canvas, planes
 from .components import cell_components
 from .gradient import PRICE
@@ -26,6 +27,9 @@ from .sides import SLOTS, near_samples, window
 
 LEAST = 10.0
 """Smallest distance of a drawn pixel from all mixes of what surrounds it, levels."""
+
+FAINT = 7.0
+"""The same for pixels connected with such: shades fade, and at the border of two ramps mixes come near them."""
 
 AREA = 8
 """Smallest drawn thing, px²."""
@@ -106,11 +110,16 @@ def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: 
         return count, np.zeros(0, np.uint32)
     sides = side_colours(canvas, known, cells, samples, surfaces)
     here = canvas.colours(cells)
-    base = sides[:, beside[:, some].argmax(axis=0), np.arange(cells.size)]
+    nearest = beside[:, some].argmax(axis=0), np.arange(cells.size)
+    base, ramp = sides[(slice(None), *nearest)], known[samples[nearest]]
     off = unexplained(here, sides, samples)
-    drawn = np.flatnonzero(off > LEAST)
+    drawn = np.flatnonzero(off > FAINT)
     cells, here, base, off = cells[drawn], here[:, drawn], base[:, drawn], off[drawn]
-    area = shades.part(canvas, cells, here - base, _areas(canvas, cells, here - base))
+    area = _areas(canvas, cells, here - base)
+    clear = (np.bincount(area, off > LEAST) >= AREA)[area]
+    drawn, cells, here, base, off = drawn[clear], cells[clear], here[:, clear], base[:, clear], off[clear]
+    area = shades.part(canvas, cells, here - base, area[clear])
+    area = part_astride(canvas, cells, area, ramp[drawn], surfaces)
     size = np.bincount(area)
     pays = np.bincount(area, off ** 2) >= PRICE * BYTES
     chosen = np.flatnonzero((size >= AREA) & pays & ~_flat(area, here, base, planes(keys, canvas.opaque)))
@@ -182,10 +191,10 @@ def _thin(search: Inks, area: np.ndarray, chosen: np.ndarray) -> Tuple[np.ndarra
 
 
 def _flat(area: np.ndarray, here: np.ndarray, base: np.ndarray, colours: np.ndarray) -> np.ndarray:
-    """Which drawn areas have a flat colour of the picture, or nearly, where they stand out most."""
+    """Which drawn areas have a flat colour of the picture, or nearly, in the half that stands out most."""
     height = length(here - base)
     total = np.bincount(area)
-    strong = height >= (np.bincount(area, height) / total)[area]
+    strong = height >= _medians(height, area)[area]
     count = np.maximum(np.bincount(area, strong, total.size), 1)
     flat = np.zeros(total.size, bool)
     for colour in colours.T:
@@ -193,3 +202,9 @@ def _flat(area: np.ndarray, here: np.ndarray, base: np.ndarray, colours: np.ndar
         held = strong & (distance < _PLAIN * height) & (share >= OWN)
         flat |= np.bincount(area, held, total.size) >= 0.5 * count
     return flat
+
+
+def _medians(values: np.ndarray, area: np.ndarray) -> np.ndarray:
+    """The middle one of the values (N,) of each area; the lower one of two."""
+    size = np.bincount(area)
+    return np.asarray(values[np.lexsort((values, area))[np.cumsum(size) - size + (size - 1) // 2]])

@@ -23,6 +23,11 @@ _LEAST = 4
 """Regions with fewer pixels that stand out are judged by all their pixels."""
 
 
+_DOUBT = 2.0
+"""A face takes its own mean colour where its ramp's gradient errs by this factor more: a mean always errs least,
+and where pixels are covered in part, least is too pale."""
+
+
 class Paint(NamedTuple):
     """The fill of a region: a flat colour, or a gradient whose mean colour that is.
 
@@ -134,7 +139,7 @@ def face_paints(image: np.ndarray, labels: Labels, planar: PlanarMap, options: T
 
 def _soft_paints(image: np.ndarray, labels: Labels, planar: PlanarMap,
                  soft: np.ndarray) -> Iterator[Tuple[int, Paint]]:
-    """Paints of the faces of ramps: the ramp's gradient, or the face's own colour if that is nearer."""
+    """Paints of the faces of ramps: the ramp's gradient, or the face's own colour if that is much nearer."""
     pixels = Pixels.of(planar.pixel_faces, soft)
     colour, face = pixels.colours(image), pixels.region
     sure = sure_pixels(image, planar.pixel_faces, pixels)
@@ -142,7 +147,7 @@ def _soft_paints(image: np.ndarray, labels: Labels, planar: PlanarMap,
     model = local_colours(labels, planar.face_labels[face], pixels.points)
     known = labels.gradients or (None,) * len(labels.palette)
     gradients = [known[label] for label in planar.face_labels.tolist()]
-    better = _errors(colour - model, face, sure) < _errors(colour - flat[face], face, sure)
+    better = _errors(colour - model, face, sure) < _DOUBT * _errors(colour - flat[face], face, sure)
     better &= np.array([gradient is not None for gradient in gradients])[:len(better)]
     mean = np.where(better[:, None], _means(model, face, np.ones_like(sure)), flat)
     for k in np.flatnonzero(soft).tolist():
@@ -161,9 +166,11 @@ def _errors(off: np.ndarray, number: np.ndarray, weight: np.ndarray) -> np.ndarr
 
 
 def _paint(mean: np.ndarray, gradient: Optional[Gradient]) -> Paint:
-    """The paint of a face with this premultiplied mean colour."""
+    """The paint of a face with this premultiplied mean colour: flat where all stops of its gradient are alike."""
     r, g, b = np.clip(np.rint(mean[:3] * 255 / max(mean[3], 1e-9)), 0, 255).astype(int).tolist()
     level = int(np.rint(mean[3]))
+    if gradient is not None and len({stop[1:] for stop in gradient.stops}) == 1:
+        gradient = None
     if gradient is not None and any(stop[2] < 1 for stop in gradient.stops):
         # Visible, but not opaque, whatever the mean is rounded to.
         level = min(max(level, 1), 254)

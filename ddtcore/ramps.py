@@ -37,7 +37,7 @@ MANY = 256
 """Most ramps of a picture, the largest ones."""
 
 PIECE = 200
-"""Largest plateau that may be a piece of a ramp, px²."""
+"""A plateau of so many pixels is no piece of a ramp, px²."""
 
 SOFT = 14.0
 """How far the colour of a piece may be from the ramp near it, levels."""
@@ -200,7 +200,7 @@ def _many_levels(area: np.ndarray, size: np.ndarray, level: np.ndarray) -> np.nd
     return np.sort(chosen[np.argsort(-size[chosen], kind="stable")[:MANY]])
 
 
-def absorb_pieces(canvas: Canvas, labels: np.ndarray, slopes: np.ndarray) -> None:
+def absorb_pieces(canvas: Canvas, labels: np.ndarray, slopes: np.ndarray, most: int) -> None:
     """Make the small plateaus unknown that hardly differ from a ramp near them, in place.
 
     Parameters
@@ -209,8 +209,10 @@ def absorb_pieces(canvas: Canvas, labels: np.ndarray, slopes: np.ndarray) -> Non
         Known labels with the rim, negative where unknown.
     slopes : ndarray of shape (H, W) and dtype int32
         Number of the ramp of each pixel, -1 where there is none.
+    most : int
+        Plateaus of so many pixels stay.
     """
-    small, number, size = _small_plateaus(canvas.bare(labels), slopes)
+    small, number, size = _small_plateaus(canvas.bare(labels), slopes, most)
     cells = canvas.cells(small)
     here = canvas.colours(cells)
     sloped = canvas.rimmed(slopes >= 0, False)
@@ -221,7 +223,7 @@ def absorb_pieces(canvas: Canvas, labels: np.ndarray, slopes: np.ndarray) -> Non
     labels[cells[share[number] >= 0.5]] = -1
 
 
-def _small_plateaus(labels: np.ndarray, slopes: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _small_plateaus(labels: np.ndarray, slopes: np.ndarray, most: int) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Which pixels belong to small plateaus, the plateau of each of them in reading order, and their sizes."""
     small = labels >= 0
     small &= slopes < 0
@@ -230,7 +232,7 @@ def _small_plateaus(labels: np.ndarray, slopes: np.ndarray) -> Tuple[np.ndarray,
         links &= one
         links &= other
     areas = linked_areas(right, down)
-    areas.put(small.ravel(), np.where(areas.size < PIECE, -1, 0))
+    areas.put(small.ravel(), np.where(areas.size < most, -1, 0))
     number = areas.at(np.flatnonzero(small))
     lone = np.flatnonzero(number < 0)
     number[lone] = np.arange(areas.size.size, areas.size.size + lone.size)

@@ -128,7 +128,10 @@ def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
         return posterise(canvas, MANY)
     colours = unpack(keys).astype(np.float64)
     if count:
-        ramps.absorb_pieces(canvas, labels, slopes)
+        # What is drawn on ramps is narrow, and so are its pieces.
+        soft = sum(surface is not None for surface in found)
+        ramps.absorb_pieces(canvas, labels, np.where(slopes < soft, slopes, -1), ramps.PIECE)
+        ramps.absorb_pieces(canvas, labels, slopes, overlays.WIDE)
         canvas.bare(labels)[slopes >= 0] = slopes[slopes >= 0] + keys.size
         colours = np.concatenate([colours, mean_colours(canvas, slopes)])
 

@@ -14,7 +14,7 @@ from typing import Optional, Sequence, Tuple
 
 import numpy as np
 
-from .field import Samples, total_error
+from .field import Samples, total_error, weighted_quantile
 from .gradient import colours_at, price
 from .mixes import excess
 from .model import Gradient
@@ -26,6 +26,9 @@ _STRAY = 9.0
 """Samples count less that are off by more than so many times the middle squared error."""
 
 _ROUNDS = 4
+
+_FULL, _FULLEST = 0.93, 0.9
+"""Covered in full is what is covered by this share of what the fullest samples are, those at this quantile."""
 
 _STEP = 2
 """How far from its pixels a region's neighbours are looked for, px."""
@@ -51,7 +54,7 @@ def tinted(base: Gradient, samples: Samples) -> Optional[Gradient]:
     colour, below = colour[:, :3], below[:, :3]
     weight = samples.count
     for _ in range(_ROUNDS):
-        middle, under = (np.average(values, axis=0, weights=weight) for values in (colour, below))
+        middle, under = (weight.dot(values) / weight.sum() for values in (colour, below))
         spread = weight.dot(((below - under) ** 2).sum(axis=1))
         share = weight.dot(((below - under) * (colour - middle)).sum(axis=1)) / max(spread, 1e-9)
         share = min(max(share, 0.0), 1.0)
@@ -67,15 +70,30 @@ def _levels(rgb: np.ndarray) -> Tuple[int, int, int]:
     return r, g, b
 
 
+def strengthened(tint: Gradient, base: Gradient, samples: Samples) -> Gradient:
+    """A tint of `base` as the samples that are covered in full tell it: narrow things, and tips, are not everywhere."""
+    below, before = colours_at(base, samples.points)[:, :3], np.ones(len(samples.points), bool)
+    for _ in range(_ROUNDS):
+        change = colours_at(tint, samples.points)[:, :3] - below
+        cover = ((samples.colour - below) * change).sum(axis=1) / np.maximum((change ** 2).sum(axis=1), 1)
+        fullest = weighted_quantile(cover, samples.count, _FULLEST)
+        full = cover >= min(fullest, _FULL * fullest)
+        if (full == before).all():
+            break
+        tint, before = tinted(base, Samples(*(values[full] for values in samples))) or tint, full
+    return tint
+
+
 def cheaper(one: Gradient, other: Optional[Gradient], base: Gradient, samples: Samples) -> Gradient:
     """The one of two gradients, if there are two, that explains more of something narrow for its price.
 
-    Pixels between the colours of a gradient and of `base`, on which it is drawn, are covered in part.
+    Pixels between the colours of a gradient and of `base`, on which it is drawn, are covered in part.  The other
+    one, a tint, is strengthened if it is taken.
     """
     if other is None:
         return one
     costs = [_unexplained(gradient, base, samples) + price(gradient) for gradient in (one, other)]
-    return one if costs[0] <= LUCK * costs[1] else other
+    return one if costs[0] <= LUCK * costs[1] else strengthened(other, base, samples)
 
 
 def _unexplained(gradient: Gradient, base: Gradient, samples: Samples) -> float:

@@ -107,6 +107,28 @@ def test_what_is_drawn_pays_for_its_path(length, found):
     assert drawn(picture(0.07 * cover, (60, 30, 0)))[2] == found
 
 
+@pytest.mark.parametrize("peak, found", [(26, 1), (9, 0)])
+def test_a_shade_goes_on_where_it_is_faint(peak, found):
+    level = stroke(3.0) * np.clip(peak - 0.3 * (ALONG - 20), 8.5, None)
+    image = picture(np.zeros((SIZE, SIZE)), (0, 0, 0))
+    image[..., :3] = np.rint(image[..., :3] - level[..., None] * (0.8, 0.6, 0))
+    ramps, count, more = drawn(image)
+    assert more == found
+    full = (stroke(3.0) == 1) & (ALONG > 22) & (ALONG < 78)
+    assert (ramps[full] == count).mean() == pytest.approx(found, abs=0.05)
+
+
+def test_a_few_pixels_of_a_flat_colour_do_not_make_all_flat():
+    image = picture(0.08 * stroke(3.0), (60, 30, 0))
+    image[2:14, 60:72, :3] = 0
+    end = (stroke(3.0) == 1) & (ALONG > 76)
+    image[end, :3] = np.rint(0.2 * image[end, :3])
+    ramps, count, more = drawn(image)
+    assert 0 < np.count_nonzero(end) < 20
+    full = (stroke(3.0) == 1) & (ALONG > 22) & (ALONG < 72)
+    assert more >= 1 and (ramps[full] >= count).mean() > 0.95
+
+
 def translucent(slope, alpha=0.15):
     """A black translucent stroke on a ramp."""
     row, col = np.mgrid[:200, :200] + 0.5

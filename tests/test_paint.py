@@ -69,6 +69,15 @@ def test_a_stray_face_of_a_ramp_keeps_its_own_colour():
     assert paints[planar.pixel_faces[14, 14]] == Paint((255, 255, 255), 1.0)
 
 
+def test_the_colour_of_a_gradient_stays_where_pixels_are_covered_in_part():
+    image, labels = painted(OPAQUE)
+    even = replace(OPAQUE, stops=((0.0, (200, 90, 60), 1.0), (1.0, (200, 90, 60), 1.0)))
+    labels = replace(labels, gradients=(even, None))
+    image[:, :13, :3] = np.where(np.arange(13)[:, None] % 3 > 0, (200, 90, 60), (220, 160, 140))
+    paints, planar = paints_of(image, labels)
+    assert paints[planar.pixel_faces[15, 2]] == Paint((200, 90, 60), 1.0)
+
+
 def test_the_colour_of_a_gradient_is_its_mean_over_the_face():
     image, labels = painted(OPAQUE)
     paints, planar = paints_of(image, labels)

@@ -9,7 +9,7 @@ from artwork import CARTOON, draw
 
 from ddtcore.canvas import prepare
 from ddtcore.model import Labels
-from ddtcore.ramps import AREA, SLOPES, find_ramps, mark_slopes
+from ddtcore.ramps import AREA, SLOPES, absorb_pieces, find_ramps, mark_slopes
 
 SIZE = 60
 Y, X = np.mgrid[:SIZE, :SIZE] + 0.5
@@ -104,3 +104,21 @@ def test_few_areas_are_marked():
     labels = Labels(index, np.full((100, 4), 255.0), np.zeros(index.shape, bool))
     marked = mark_slopes(prepare(picture(20 + 3.5 * X, Y > 0)), labels)
     assert marked.ramp.sum() <= SLOPES
+
+
+@pytest.mark.parametrize("most, stays", [(100, True), (101, False)])
+def test_small_plateaus_like_a_ramp_beside_them_become_unknown(most, stays):
+    image = np.full((40, 40, 4), 255, np.uint8)
+    image[:, :20, :3] = np.arange(40)[:, None, None] + 100
+    image[8:28, 20:25, :3] = 117
+    canvas = prepare(image)
+    slopes = np.full((40, 40), -1, np.int32)
+    slopes[:, :20] = 0
+    labels = canvas.rimmed(np.where(slopes == 0, -1, 0), -1)
+    square = np.zeros((40, 40), bool)
+    square[8:28, 20:25] = True
+    canvas.bare(labels)[square] = 1
+    absorb_pieces(canvas, labels, slopes, most)
+    known = canvas.bare(labels)
+    assert (known[square] == (1 if stays else -1)).mean() == 1
+    assert (known[:, 20:][~square[:, 20:]] == 0).all()

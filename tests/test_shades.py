@@ -20,12 +20,14 @@ def band(low, high, slope=0.3):
     return np.clip(place - low + 0.5, 0, 1) * np.clip(high + 0.5 - place, 0, 1)
 
 
-def parted(change):
+def parted(change, base=(200, 150, 100)):
     """Numbers (H, W) of the things that change a picture by (H, W, 3), -1 for none."""
     change = np.rint(change)
     size = np.abs(change).max(axis=2)
     row, col = np.nonzero(size > 5)
-    canvas = prepare(np.full((SIZE, SIZE, 4), 255, np.uint8))
+    image = np.full((SIZE, SIZE, 4), 255, np.uint8)
+    image[..., :3] = base + change
+    canvas = prepare(image)
     out = np.full((SIZE, SIZE), -1)
     out[row, col] = part(canvas, canvas.numbers(row, col), change[row, col].T.astype(np.float32),
                          np.zeros(row.size, np.int64))
@@ -54,6 +56,16 @@ def test_one_thing_is_one_whatever_it_covers(slope, width, change):
 
 def test_a_thing_that_grows_stronger_is_one():
     found = parted((band(5, 9) * X / SIZE)[..., None] * LIP)
+    assert set(np.unique(found)) <= {-1, 0}
+
+
+@pytest.mark.parametrize("slope", [0, 0.05, 0.3])
+@pytest.mark.parametrize("width", [4.0, 6.0])
+def test_what_is_opaque_is_one_on_two_ramps(slope, width):
+    middle = 5 + width / 2
+    beyond = (Y - slope * X >= middle)[..., None]
+    base = np.where(beyond, (250, 210, 90), (250, 140, 0))
+    found = parted(band(5, 5 + width, slope)[..., None] * ((230, 85, 50) - base), base)
     assert set(np.unique(found)) <= {-1, 0}
 
 

@@ -11,7 +11,7 @@ import pytest
 from ddtcore.field import Samples
 from ddtcore.gradient import colours_at
 from ddtcore.model import Gradient
-from ddtcore.tint import beneath, cheaper, tinted
+from ddtcore.tint import beneath, cheaper, strengthened, tinted
 
 STOPS = ((0.0, (255, 200, 40), 1.0), (0.4, (240, 150, 20), 1.0), (1.0, (200, 90, 0), 1.0))
 BASES = [Gradient("linear", (0.0, 5.0), (60.0, 20.0), STOPS), Gradient("radial", (20.0, 50.0), (70.0, 50.0), STOPS),
@@ -45,6 +45,31 @@ def test_pixels_covered_in_part_hardly_matter(base):
     assert np.abs(colours_at(found, full.points)[:, :3] - full.colour).max() <= 8
 
 
+@pytest.mark.parametrize("base", BASES)
+@pytest.mark.parametrize("share, ink", [(0.5, (90, 0, 0)), (0.3, (255, 255, 255))])
+def test_tips_that_are_covered_in_part_take_nothing_from_the_contrast(base, share, ink):
+    full = stroke(base, share, ink)
+    samples = stroke(base, share, ink, np.clip(np.linspace(1.6, 0.2, 150), 0, 1))
+    tint = tinted(base, samples)
+    off = [np.abs(colours_at(some, full.points)[:, :3] - full.colour).max()
+           for some in (tint, strengthened(tint, base, samples))]
+    assert off[1] <= 4 < off[0]
+
+
+@pytest.mark.parametrize("base", BASES)
+def test_a_tint_that_is_covered_in_full_stays(base):
+    samples = stroke(base, 0.3, (90, 0, 0))
+    tint = tinted(base, samples)
+    before, after = (colours_at(some, samples.points) for some in (tint, strengthened(tint, base, samples)))
+    assert np.abs(before - after).max() <= 2
+
+
+def test_what_is_no_tint_at_all_is_not_strengthened():
+    samples = stroke(BASES[0], 0.0, (0, 0, 0))
+    assert np.abs(colours_at(strengthened(BASES[0], BASES[0], samples), samples.points)[:, :3]
+                  - samples.colour).max() <= 2
+
+
 def test_an_opaque_colour_is_a_tint_of_share_one():
     found = tinted(BASES[0], stroke(BASES[0], 1.0, (10, 20, 200)))
     assert {rgb for _, rgb, _ in found.stops} == {(10, 20, 200)}
@@ -63,7 +88,7 @@ def test_the_tint_is_preferred_to_luck_and_its_own_gradient_to_a_wrong_tint():
     samples = stroke(base, 0.2, (255, 255, 255))
     tint = tinted(base, samples)
     other = replace(base, start=(21.0, 50.0))
-    assert cheaper(other, tint, base, samples) is tint
+    assert cheaper(other, tint, base, samples) == strengthened(tint, base, samples)
     own = Gradient("linear", (0.0, 0.0), (45.0, 0.0), ((0.0, (0, 0, 255), 1.0), (1.0, (0, 255, 0), 1.0)))
     samples = samples._replace(colour=colours_at(own, samples.points)[:, :3])
     assert cheaper(own, tinted(base, samples), base, samples) is own
