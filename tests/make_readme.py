@@ -41,7 +41,7 @@ ROOMS = {
     "the whole": "pipeline model options choice budget reduction parts",
     "from outside": "__init__ __main__ cli files progress report compare inkscape",
     "picture in": "raster sprites ink enlarged",
-    "pixels to regions": "regions canvas palette noise calm ringing mixes sides strokes margins ramps surfaces"
+    "pixels to regions": "regions canvas palette noise calm ringing bleeding mixes sides strokes margins ramps surfaces"
                          " growing spans detached overlays shades hairlines scraps posterise threshold areas"
                          " merging components",
     "mesh": "triangulation quads cost ribbon flips",
