@@ -44,6 +44,9 @@ class Labels:
     gradients : tuple of length K of Gradient or None, optional
         What explains the colours of each label better than one colour does.  None: not
         yet looked for.
+    clear : ndarray of shape (H, W, 4) and dtype uint8, optional
+        The picture as it was before its edges were blurred, as far as it was found out.
+        None: as it is.
     """
 
     index: np.ndarray
@@ -51,6 +54,7 @@ class Labels:
     thin: np.ndarray
     ramp: Optional[np.ndarray] = None
     gradients: Optional[Tuple[Optional[Gradient], ...]] = None
+    clear: Optional[np.ndarray] = None
 
 
 @dataclass(frozen=True)

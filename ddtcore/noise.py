@@ -13,7 +13,7 @@ import numpy as np
 
 from .canvas import Canvas, count_keys, planes, unpack
 from .mixes import segment_distance
-from .palette import Plateaus, is_mixed
+from .palette import MIXED, Plateaus, is_mixed
 from .sides import window
 
 ROUNDING = 2.0
@@ -39,6 +39,8 @@ _MINOR = 200.0
 _JUDGED = 500
 _WIDE = 32
 _MANY = 64
+_SHIFTS = 2
+_BLED = 1.5
 
 
 def noise_level(canvas: Canvas, core: np.ndarray, slopes: np.ndarray) -> Tuple[float, bool]:
@@ -156,17 +158,21 @@ def _gather(canvas: Canvas, keys: np.ndarray, spans: np.ndarray, found: List[np.
     """
     while keys.size and len(found) < _MANY:
         values, counts = np.unique(keys, return_counts=True)
-        mode = values[np.argmax(counts)]
-        off = _apart(canvas, keys, mode)
+        centre = mode = values[np.argmax(counts)]
+        # From the most frequent of noisy values to where most of them are round it.
+        for _ in range(_SHIFTS):
+            off = _apart(canvas, keys, centre)
+            centre = _centre(keys[off <= noise], original) if (off <= noise).any() else centre
         alike = off <= margin
-        centre = _centre(keys[off <= noise], original)
         known, own = (planes(np.array(some, np.uint32), canvas.opaque) for some in (found, [centre]))
         least = crowds[np.abs(known - own).max(axis=0).argmin()] if found else 0
         flat = np.count_nonzero(alike & (spans <= margin))
-        if (flat if least or is_mixed(own, known)[0] else np.count_nonzero(alike)) >= max(_FEW, least):
+        mixed = is_mixed(own, known, max(MIXED, _BLED * noise))[0]
+        if (flat if least or mixed else np.count_nonzero(alike)) >= max(_FEW, least):
             found.append(centre)
             crowds.append(least and flat / _MINOR)
-        keys, spans = keys[off > 2 * margin], spans[off > 2 * margin]
+        left = (off > 2 * margin) & (keys != mode)
+        keys, spans = keys[left], spans[left]
 
 
 def _clipped(keys: np.ndarray, margin: float) -> np.ndarray:

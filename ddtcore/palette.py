@@ -202,10 +202,11 @@ def _interior(canvas: Canvas, cells: np.ndarray) -> np.ndarray:
     return (row > 0) & (row < canvas.shape[0] - 1) & (col > 0) & (col < canvas.shape[1] - 1)
 
 
-def is_mixed(colours: np.ndarray, among: np.ndarray) -> np.ndarray:
+def is_mixed(colours: np.ndarray, among: np.ndarray, margin: float = MIXED) -> np.ndarray:
     """Which colours (C, N) lie near a line between two others of `among` (C, K), and not near its ends.
 
-    Only the first colours of `among` are weighed, so that the work stays bounded.
+    How far off it mixes may lie is a `margin`, levels.  Only the first colours of `among` are
+    weighed, so that the work stays bounded.
     """
     among = among[:, :_WEIGHED]
     first, second = (among[:, side] for side in np.triu_indices(among.shape[1], 1))
@@ -214,7 +215,7 @@ def is_mixed(colours: np.ndarray, among: np.ndarray) -> np.ndarray:
         colour = np.broadcast_to(colour[:, None], first.shape)
         distance, share = segment_distance(colour, first, second)
         end = (first == colour).all(axis=0) | (second == colour).all(axis=0)
-        mixed[k] = bool(((distance < MIXED) & (share > 0.04) & (share < 0.96) & ~end).any())
+        mixed[k] = bool(((distance < margin) & (share > 0.04) & (share < 0.96) & ~end).any())
     return mixed
 
 

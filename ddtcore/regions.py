@@ -15,6 +15,7 @@ import numpy as np
 
 from . import (
     areas,
+    bleeding,
     detached,
     margins,
     merging,
@@ -95,7 +96,7 @@ def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
     found: List[Optional[Surface]] = [None] * count
     plateaus = palette.find_plateaus(canvas, slopes >= 0)
     noise, rippled = (grain / LEFT, True) if grain else noise_level(canvas, plateaus.core, slopes)
-    inks = np.zeros(0, np.uint32)
+    inks, clear = np.zeros(0, np.uint32), None
     if noise > ROUNDING and not grain and ringing.is_ringing(canvas, plateaus.core):
         (canvas, inks), noise = ringing.without_ringing(canvas), ringing.LEFT
     plain = palette.plain_colours(canvas)
@@ -106,6 +107,8 @@ def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
         slopes, count = ramps.no_ramps(canvas.shape), 0
         plateaus = palette.find_plateaus(canvas, slopes >= 0)
         keys = _with_inks(canvas, noisy_colours(canvas, plateaus, noise, grain or noise), inks)
+        if canvas.opaque and not grain and noise > ringing.LEFT:
+            clear = canvas = bleeding.without_bleeding(canvas, keys, noise)
     else:
         slopes, found, plateaus, inks = _surfaces(canvas, slopes, count, plateaus)
         count = len(found)
@@ -115,7 +118,7 @@ def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
 
     labels = palette.known_labels(canvas, plateaus, keys, noise)
     cells = canvas.cells(~plateaus.core & (slopes < 0))
-    doubt = max(noise, mixing_error(canvas, labels, cells))
+    doubt = max(noise * (1 if clear is None else bleeding.LEFT), mixing_error(canvas, labels, cells))
     rippled |= doubt > QUANTISED
     ridges = strokes.find_ridges(canvas, cells, doubt)
     more = strokes.new_colours(canvas, cells, ridges, planes(keys, canvas.opaque), labels, doubt)
@@ -144,9 +147,10 @@ def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
     index, thin = (np.ascontiguousarray(canvas.bare(plane)) for plane in (labels, thin))
     del labels
     result = Labels(index=index, palette=colours, thin=thin, ramp=np.arange(len(colours)) >= keys.size,
-                    gradients=(*[None] * keys.size, *gradients))
+                    gradients=(*[None] * keys.size, *gradients),
+                    clear=None if clear is None else unpack(clear.bare(clear.keys)))
     result = merging.merge_twins(result, canvas.mixing(colours))
-    if noise > ROUNDING and rippled:
+    if noise > ROUNDING and rippled and clear is None:
         result = uneven.join_slopes(canvas, result, noise)
     if specks > DITHER * cells.size + 10:
         return merging.merge_specks(result, SPECK)

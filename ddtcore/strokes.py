@@ -36,6 +36,9 @@ PURE = 8
 TWIN = 8.0
 """How far a new colour has to be from those known, levels."""
 
+PALE = 0.25
+"""Share of another colour in the fullest pixel of a stroke, in a picture that isn't clean, at most."""
+
 COLOURS = 32
 """How many colours are weighed for strokes."""
 
@@ -187,7 +190,22 @@ def new_colours(canvas: Canvas, cells: np.ndarray, ridges: Ridges, colours: np.n
             if (np.abs(exact - colours).max(axis=0) >= TWIN + 2 * doubt).all():
                 found, colours = np.append(found, key), np.append(colours, exact, axis=1)
         ridges = ridges.some(np.flatnonzero(~fits))
-    return found
+    return found[_fullest(colours, found.size)] if doubt > 0 and found.size > 1 else found
+
+
+def _fullest(colours: np.ndarray, count: int) -> np.ndarray:
+    """Which of the last `count` colours (C, K) are not another one of them with a little of a third, bool (count,).
+
+    Where pixels vary, those that stand out most need not be those that their stroke covers most.
+    """
+    inks = colours[:, -count:]
+    kept = np.ones(count, bool)
+    for k, other in np.ndindex(count, count):
+        if k != other and kept[other]:
+            ink, full = (np.broadcast_to(inks[:, n, None], colours.shape) for n in (k, other))
+            off, share = segment_distance(ink, full, colours)
+            kept[k] &= not ((off < LEAST) & (share > 0) & (share < PALE)).any()
+    return kept
 
 
 def _unexplained(ridges: Ridges, colours: np.ndarray, doubt: float) -> Ridges:

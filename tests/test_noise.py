@@ -121,6 +121,21 @@ def test_colours_nearer_to_each_other_than_the_noise(quality):
         assert np.abs(labels.palette[labels.index[y, 110:130]] - colour).max() <= 3
 
 
+@pytest.mark.parametrize("sigma", [3, 4])
+@pytest.mark.parametrize("seed", range(4))
+def test_thin_strokes_of_a_scan_have_one_ink(sigma, seed):
+    """Some cover their pixels more than others do; the grain makes the paler ones stand out as well."""
+    random = np.random.RandomState(seed)
+    white, black, blue = (255, 255, 255, 255), (0, 0, 0, 255), (0, 51, 217, 255)
+    layers = [(white, everywhere), (blue, lambda x, y: x > 150)]
+    for x, y in np.argwhere(np.ones((12, 12))) * 18 + 12:
+        width, reach = random.uniform(1.6, 3.2) / 2, random.uniform(4, 7)
+        layers.append((black, lambda u, v, x=x, y=y, width=width, reach=reach:
+                       (abs(u - x) < width) & (abs(v - y) < reach) | (abs(v - y) < width) & (abs(u - x) < reach)))
+    found = palette_of(label_pixels(grainy(draw(240, 240, layers), sigma, seed), TraceOptions()))
+    assert {white, blue} <= found and sum(max(colour[:3]) - min(colour[:3]) < 12 for colour in found) == 2
+
+
 def test_black_and_white_stay_exact(clean):
     for quality in (90, 75):
         labels = label_pixels(jpeg(clean, quality), TraceOptions())
