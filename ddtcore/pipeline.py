@@ -110,8 +110,8 @@ def _draw(image: np.ndarray, labels: Labels, options: TraceOptions, begin: Calla
     """All that comes after the labels; what no later stage needs is let go."""
     begin("gradients")
     opaque = is_opaque(image)
-    image, labels, painted = _paint(image, labels, options)
-    even = unblur.unblur(flatten.flatten(image if labels.clear is None else labels.clear, labels), labels)
+    image, labels, painted = _paint(image if labels.clear is None else labels.clear, labels, options)
+    even = unblur.unblur(flatten.flatten(image, labels), labels)
     begin("triangles")
     crisp = options.curves == "crisp" and options.result in ("outlines", "curves")
     triangulate = lattice.square_mesh if crisp else triangulation.triangulate
