@@ -37,7 +37,7 @@ def shown(labels):
 
 def check_form(labels, shape):
     assert labels.index.shape == labels.thin.shape == shape
-    assert labels.index.dtype == np.int32 and labels.thin.dtype == bool
+    assert labels.index.dtype in (np.int16, np.int32) and labels.thin.dtype == bool
     assert labels.palette.dtype == np.float64 and labels.palette.shape[1] == 4
     np.testing.assert_array_equal(np.unique(labels.index), np.arange(len(labels.palette)))
     assert labels.ramp is None or labels.ramp.shape == (len(labels.palette),)
