@@ -241,7 +241,7 @@ def known_labels(canvas: Canvas, plateaus: Plateaus, keys: np.ndarray, noise: fl
         sure = exact & np.append(plain, False)[labels[asked]]
         sure[sure] = _touches_equal(labels, asked[sure], canvas.stride)
     labels[asked], = in_parts(lambda part: (_nearest_within(canvas, asked[part], colours, noise),), asked.size)
-    asked = asked[~sure]
+    asked = asked[~sure & (labels[asked] >= 0)]
     inside, = in_parts(lambda part: (_in_block(labels, asked[part], canvas.stride),), asked.size)
     labels[asked[~inside]] = -1
     return labels
@@ -299,11 +299,11 @@ def _touches_equal(labels: np.ndarray, cells: np.ndarray, stride: int) -> np.nda
 
 
 def _in_block(labels: np.ndarray, cells: np.ndarray, stride: int) -> np.ndarray:
-    """Which pixels lie in a 2 x 2 block of equal labels, of known ones."""
+    """Which pixels lie in a 2 x 2 block of equal labels."""
     here = labels[cells]
     inside = np.zeros(cells.size, bool)
     for down in (-stride, stride):
         vertical = labels[cells + down] == here
         for across in (-1, 1):
             inside |= vertical & (labels[cells + across] == here) & (labels[cells + down + across] == here)
-    return np.asarray(inside & (here >= 0))
+    return inside
