@@ -160,7 +160,7 @@ def mean_colours(canvas: Canvas, index: np.ndarray) -> np.ndarray:
 
 def _sums(label: np.ndarray, rgba: np.ndarray, opaque: bool, count: int) -> np.ndarray:
     """Sums (6, count) of what pixels of each label have of four channels, weighted by alpha, of alpha, and of 1."""
-    out = np.empty((6, count))
+    out, label = np.empty((6, count)), label.astype(np.intp)
     out[5] = np.bincount(label, minlength=count)
     alpha = None if opaque else rgba[:, 3] / 255.0
     out[3] = out[4] = out[5] if alpha is None else np.bincount(label, alpha, count)
