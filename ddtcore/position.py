@@ -28,6 +28,9 @@ REACH = 4
 FLAT = 0.03
 """Coverage closer than this to 0 or 1 counts as flat."""
 
+GAP = 8
+"""Most doubtful crossings in a row beside a soft ramp that are left out: what is drawn there hides other colours."""
+
 PURE = 14.0
 """How far a pixel between two sides may be from their mixes, levels."""
 
@@ -102,9 +105,8 @@ def _by_coverage(image: np.ndarray, labels: Labels, mesh: Mesh,
     crossed, one, other = raw[inner], left[inner], right[inner]
     position, sure = in_parts(
         lambda part: _column_sums(image, crossed[part], tangent[part], one[part], other[part]), len(inner))
-    # Between two positions that are sure, a doubtful one only adds noise.
-    keep = np.ones(len(inner), bool)
-    keep[1:-1] = sure[1:-1] | ~(sure[:-2] & sure[2:])
+    soft = _beside_ramps(labels, planar)[arc[inner]]
+    keep = _needed(arc[inner], sure, np.where(soft, GAP, 1))
     # A ring round a pixel or two needs all of its crossings, or nothing would be left of it.
     small = planar.rings & ~hard & (np.bincount(arc[inner][keep], minlength=len(hard)) < 3)
     keep &= ~small[arc[inner]]
@@ -114,6 +116,28 @@ def _by_coverage(image: np.ndarray, labels: Labels, mesh: Mesh,
             np.concatenate([position[keep], raw[whole], hard_points]),
             np.concatenate([weight, np.full(len(whole), 0.5), np.ones(len(hard_arc))]),
             ends, np.where(hard & ~dot, SLACK, 0.0), dot)
+
+
+def _beside_ramps(labels: Labels, planar: PlanarMap) -> np.ndarray:
+    """Which arcs have a soft ramp on one side, bool (A,)."""
+    ramp = np.zeros(len(labels.palette) + 1, bool)
+    if labels.ramp is not None:
+        # The last one stands for the outside.
+        ramp[:-1] = labels.ramp
+    return np.asarray(ramp[planar.face_labels[planar.left]] | ramp[planar.face_labels[planar.right]])
+
+
+def _needed(arc: np.ndarray, sure: np.ndarray, gap: np.ndarray) -> np.ndarray:
+    """Which crossings (N,) are sure, or not between two of their arc that are, with up to `gap` (N,) between them.
+
+    Between positions that are sure, doubtful ones only add noise.
+    """
+    number = np.arange(len(sure))
+    before = np.maximum.accumulate(np.where(sure, number, -1))
+    after = np.minimum.accumulate(np.where(sure, number, len(sure))[::-1])[::-1]
+    between = (before >= 0) & (after < len(sure)) & (after - before - 1 <= gap)
+    between[between] = arc[before[between]] == arc[after[between]]
+    return sure | ~between
 
 
 def _crossed_edges(mesh: Mesh, planar: PlanarMap) -> np.ndarray:

@@ -23,6 +23,7 @@ from pictures import (
     rectangle,
 )
 
+from ddtcore import position
 from ddtcore.options import TraceOptions
 from ddtcore.position import premultiplied
 
@@ -176,3 +177,15 @@ def test_premultiplied_colours():
     colours = premultiplied(np.array([[200, 100, 0, 255], [200, 100, 0, 51], [9, 9, 9, 0]], np.uint8))
     assert colours.dtype == np.float32
     assert np.allclose(colours, [[200, 100, 0, 255], [40, 20, 0, 51], [0, 0, 0, 0]])
+
+
+@pytest.mark.parametrize("gap", [1, 3])
+def test_doubtful_crossings_go_only_between_sure_ones_of_their_arc(gap):
+    rng = np.random.RandomState(gap)
+    arc, sure = np.sort(rng.randint(0, 12, 300)), rng.rand(300) < 0.4
+    kept = position._needed(arc, sure, np.full(300, gap))
+    for number in range(12):
+        own = np.flatnonzero(arc == number)
+        places = own[sure[own]]
+        dropped = {k for a, b in zip(places, places[1:]) if b - a <= gap + 1 for k in range(a + 1, b)}
+        assert set(own[~kept[own]].tolist()) == dropped
