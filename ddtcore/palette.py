@@ -61,6 +61,8 @@ class Plateaus:
         Pixels of each whose eight neighbours are all equal to it.
     sound : ndarray of shape (K,) and dtype int64
         Blocks that a single thin stroke cannot explain; counted only where `full` is 0.
+    skipped : ndarray of shape (H, W) and dtype bool
+        Pixels that were not asked.
     """
 
     core: np.ndarray
@@ -68,6 +70,7 @@ class Plateaus:
     counts: np.ndarray
     full: np.ndarray
     sound: np.ndarray
+    skipped: np.ndarray
 
 
 def find_plateaus(canvas: Canvas, skip: np.ndarray) -> Plateaus:
@@ -78,7 +81,7 @@ def find_plateaus(canvas: Canvas, skip: np.ndarray) -> Plateaus:
     inner = _tally(keys, *counted[2:])
     sound = _tally(keys, *count_keys(_sound_blocks(canvas, block, keys[inner == 0])))
     order = np.argsort(-counts, kind="stable")
-    return Plateaus(core, keys[order], counts[order], inner[order], sound[order])
+    return Plateaus(core, keys[order], counts[order], inner[order], sound[order], skip)
 
 
 def _flat_rows(key: np.ndarray, skip: np.ndarray, rows: slice) -> Tuple[np.ndarray, ...]:
@@ -231,9 +234,12 @@ def known_labels(canvas: Canvas, plateaus: Plateaus, keys: np.ndarray, noise: fl
     colours, labels = planes(keys, canvas.opaque), _exact_labels(canvas, keys)
     plain = ~(is_mixed(colours, colours) | _has_twin(colours))
     plain[_WEIGHED:] = False
+    bare, core, skipped = canvas.bare(labels), plateaus.core, plateaus.skipped
     asked, = in_parts(
-        lambda rows: (canvas.cells((canvas.bare(labels)[rows] < 0) | ~plateaus.core[rows], rows.start),),
+        lambda rows: (canvas.cells(((bare[rows] < 0) | ~core[rows]) & ~skipped[rows], rows.start),),
         canvas.shape[0], size=canvas.stride)
+    if skipped.any():
+        bare[skipped] = -1
     exact = labels[asked] >= 0
     if np.count_nonzero(exact) > HARD * asked.size:
         sure = exact

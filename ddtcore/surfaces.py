@@ -63,12 +63,13 @@ def separate(canvas: Canvas, ramps: np.ndarray, count: int, free: np.ndarray) ->
 
     Returns
     -------
-    ramps : ndarray of shape (H, W) and dtype int32
-        The same array; pixels that no surface explains, and surfaces of one flat colour,
-        belong to no ramp.
+    ramps : ndarray of shape (H, W) and dtype int16
+        The same array, or where there are no ramps a copy; pixels that no surface explains, and
+        surfaces of one flat colour, belong to no ramp.
     surfaces : list of Surface
         One for each ramp.
     """
+    ramps = ramps if count else ramps.copy()
     members = spans_of(ramps, count)
     number = np.full(count + 1, -1, np.int32)
     surfaces: List[Surface] = []
