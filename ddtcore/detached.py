@@ -43,7 +43,7 @@ def join_detached(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface],
     Parameters
     ----------
     canvas : Canvas
-    ramps : ndarray of shape (H, W) and dtype int32
+    ramps : ndarray of shape (H, W) and dtype int16
         Number of the ramp of each pixel, -1 where there is none; changed in place.
     surfaces : list of Surface
         The colours of each ramp.
@@ -52,7 +52,7 @@ def join_detached(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface],
 
     Returns
     -------
-    ramps : ndarray of shape (H, W) and dtype int32
+    ramps : ndarray of shape (H, W) and dtype int16
     surfaces : list of Surface
         Those of the ramps that are left.
     """

@@ -38,7 +38,7 @@ def label_strips(canvas: Canvas, labels: np.ndarray, thin: np.ndarray, colours: 
 
     Parameters
     ----------
-    labels : ndarray of shape (P,) and dtype int32
+    labels : ndarray of shape (P,) and dtype int16
         Labels with the rim.
     thin : ndarray of shape (P,) and dtype bool
     colours : ndarray of shape (C, K) and dtype float32

@@ -80,13 +80,13 @@ def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: 
 
     Parameters
     ----------
-    ramps : ndarray of shape (H, W) and dtype int32
+    ramps : ndarray of shape (H, W) and dtype int16
         Number of the ramp of each pixel, -1 where there is none.
     surfaces : list of Surface
         The colours of each ramp.
     keys : ndarray of shape (K,) and dtype uint32
         Colours of large plateaus, packed.
-    labels : ndarray of shape (P,) and dtype int32
+    labels : ndarray of shape (P,) and dtype int16
         Which of them each pixel has, with the rim, else negative; not to be used any more.
 
     Returns

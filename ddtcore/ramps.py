@@ -205,9 +205,9 @@ def absorb_pieces(canvas: Canvas, labels: np.ndarray, slopes: np.ndarray, most: 
 
     Parameters
     ----------
-    labels : ndarray of shape (P,) and dtype int32
+    labels : ndarray of shape (P,) and dtype int16
         Known labels with the rim, negative where unknown.
-    slopes : ndarray of shape (H, W) and dtype int32
+    slopes : ndarray of shape (H, W) and dtype int16
         Number of the ramp of each pixel, -1 where there is none.
     most : int
         Plateaus of so many pixels stay.

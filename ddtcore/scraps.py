@@ -40,7 +40,7 @@ def join_scraps(canvas: Canvas, labels: np.ndarray, colours: np.ndarray,
     Parameters
     ----------
     canvas : Canvas
-    labels : ndarray of shape (P,) and dtype int32
+    labels : ndarray of shape (P,) and dtype int16
         Labels with the rim, none of them unknown.
     colours : ndarray of shape (C, K) and dtype float32
         Colours of the labels, premultiplied.

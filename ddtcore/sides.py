@@ -44,7 +44,7 @@ def label_mixed(canvas: Canvas, sharp: Canvas, labels: np.ndarray, cells: np.nda
     ----------
     canvas, sharp : Canvas
         The picture, and the picture with its labelled pixels in full colour.
-    labels : ndarray of shape (P,) and dtype int32
+    labels : ndarray of shape (P,) and dtype int16
         Labels with the rim, negative where unknown; changed in place.
     cells : ndarray of shape (N,) and dtype int32
         The pixels that are unknown.

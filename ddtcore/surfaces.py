@@ -54,7 +54,7 @@ def separate(canvas: Canvas, ramps: np.ndarray, count: int, free: np.ndarray) ->
     Parameters
     ----------
     canvas : Canvas
-    ramps : ndarray of shape (H, W) and dtype int32
+    ramps : ndarray of shape (H, W) and dtype int16
         Number of the ramp of each pixel, -1 where there is none; changed in place.
     count : int
         How many there are.
