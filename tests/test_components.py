@@ -14,6 +14,8 @@ from ddtcore.components import (
     link_components,
     linked_areas,
     mask_areas,
+    next_among,
+    places_among,
 )
 
 
@@ -164,3 +166,14 @@ def test_areas_of_a_mask_are_those_of_its_pixels_but_lone_ones():
     assert ((found < 0) == (size == 1)).all()
     np.testing.assert_array_equal(areas.size[found[found >= 0]], size[size > 1])
     assert np.unique(found[found >= 0]).size == np.unique(number[cells][size > 1]).size
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_places_among_others(seed):
+    rng = np.random.RandomState(seed)
+    cells = np.unique(rng.randint(0, 200, 60)).astype(np.int32)
+    aims = rng.randint(-5, 210, (3, 40))
+    place = places_among(cells, aims)
+    assert (cells[place[place >= 0]] == aims[place >= 0]).all()
+    assert np.array_equal(place >= 0, np.isin(aims, cells))
+    assert np.array_equal(next_among(cells, 3), places_among(cells, cells + 3))

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from ddtcore.raster import MAX_BYTES, ImageError, check_image, load_image
+from ddtcore.raster import MAX_BYTES, ImageError, check_image, is_opaque, load_image
 
 RGBA = np.random.default_rng(0).integers(0, 256, (5, 7, 4)).astype(np.uint8)
 RGBA[..., 3] = 255
@@ -246,3 +246,12 @@ def test_other_shapes_are_named(shape):
 def test_other_types_are_named(image, named):
     with pytest.raises(TypeError, match=f"image must .*{named}"):
         check_image(image)
+
+
+@pytest.mark.parametrize("place, alpha", [((0, 0), 254), ((6, 8), 0), ((3, 4), 127), ((3, 4), 255)])
+def test_one_pixel_that_lets_through_is_seen(place, alpha):
+    image = np.random.RandomState(2).randint(0, 256, (7, 9, 4)).astype(np.uint8)
+    image[..., 3] = 255
+    image[place][3] = alpha
+    assert is_opaque(image) == (alpha == 255)
+    assert is_opaque(image[::2, ::-1]) == is_opaque(image[::2])
