@@ -36,6 +36,9 @@ PARTED, WHOLE = 0.3, 0.7
 MIXED = 0.25
 """Pixels of a place on a slope are closer to their mean than this share of what the two colours differ by."""
 
+FINE = 0.6
+"""What differs by less than this part of the noise differs by chance."""
+
 REACHES = 4, 2
 """How far the squares reach round a pixel that are looked at: large ones, and what fits into lines, px."""
 
@@ -69,7 +72,7 @@ def join_slopes(canvas: Canvas, labels: Labels, noise: float) -> Labels:
     for pairs, inside in _groups(canvas, labels, one, other):
         for reach in REACHES:
             squares = _squares(canvas, inside, reach)
-            joined[pairs] |= [_is_slope(squares, colours[:, one[k], None], colours[:, other[k], None])
+            joined[pairs] |= [_is_slope(squares, colours[:, one[k], None], colours[:, other[k], None], noise)
                               for k in pairs.tolist()]
     one, other = one[joined], other[joined]
     kept = np.zeros(one.size, bool)
@@ -132,7 +135,7 @@ def _is_even(canvas: Canvas, squares: _Squares, noise: float) -> bool:
     return bool(np.sqrt(np.square(off).mean(axis=0)).max() < EVEN * noise)
 
 
-def _is_slope(squares: _Squares, one: np.ndarray, other: np.ndarray) -> bool:
+def _is_slope(squares: _Squares, one: np.ndarray, other: np.ndarray, noise: float) -> bool:
     """Whether two colours (C, 1) are places on one slope."""
     span = other - one
     apart = float(length(span)[0])
@@ -140,5 +143,6 @@ def _is_slope(squares: _Squares, one: np.ndarray, other: np.ndarray) -> bool:
     near = (length(squares.mean - one - share * span) < PARTED * apart) & (share > -0.5) & (share < 1.5)
     between = near & (share > 0.2) & (share < 0.8)
     # Where stripes or dots of both colours mix to a mean, pixels are far from that.
-    even = (squares.parted[between] < PARTED * apart) & (squares.spread[between] < MIXED * apart)
+    even = squares.parted[between] < max(PARTED * apart, FINE * noise)
+    even &= squares.spread[between] < max(MIXED * apart, FINE * noise)
     return bool(even.size >= max(LEAST, BETWEEN * np.count_nonzero(near)) and np.mean(even) > WHOLE)
