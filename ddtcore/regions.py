@@ -185,12 +185,15 @@ def _label_soft(soft: unsteady.Soft) -> Labels:
     canvas.bare(labels)[slopes >= 0] = slopes[slopes >= 0] + keys.size
     colours = np.concatenate([unpack(keys).astype(np.float64), mean_colours(canvas, slopes)])
     surfaces_of = [*[None] * keys.size, *found]
-    thin, _ = _label_unknown(canvas, labels, ridges, keys, colours, doubt)
+    thin, specks = _label_unknown(canvas, labels, ridges, keys, colours, doubt)
     scraps.join_scraps(canvas, labels, canvas.mixing(colours), surfaces_of, thin)
     index, thin = (np.ascontiguousarray(canvas.bare(plane)) for plane in (labels, thin))
     result = Labels(index=index, palette=colours, thin=thin, ramp=np.arange(len(colours)) >= keys.size,
                     gradients=tuple(surface and surface.gradient for surface in surfaces_of))
-    return _merge_ripples(canvas, merging.merge_twins(result, canvas.mixing(colours)), noise, unsteady.SPECK)
+    result = merging.merge_twins(result, canvas.mixing(colours))
+    if specks > DITHER * cells.size + 10:
+        result = merging.merge_specks(result, unsteady.SPECK)
+    return _merge_ripples(canvas, result, noise, unsteady.SPECK)
 
 
 def _stray(canvas: Canvas, labels: np.ndarray, colour: np.ndarray) -> bool:

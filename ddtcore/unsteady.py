@@ -15,7 +15,7 @@ import numpy as np
 from .calm import calm
 from .canvas import RIM, Canvas
 from .growing import FIT, Surface
-from .noise import ROUNDING, SLOPING, noisy_colours, sloping_area
+from .noise import REDUCED, ROUNDING, SLOPING, noisy_colours, sloping_area
 from .palette import Plateaus, find_plateaus
 from .ramps import find_ramps
 from .sides import window
@@ -24,6 +24,12 @@ from .surfaces import extend, separate
 
 UNSTEADY = 0.006
 """Least share of zigzags in a picture with ripples: strokes and rounding make fewer."""
+
+GRAINY = 0.42
+"""Share of zigzags that only a grain makes, which is the same everywhere."""
+
+RIPPLED, DITHERED = 1.4, 2.5
+"""How much stronger than most are the ripples beside edges in a JPEG, and the dots of colours far apart in a GIF."""
 
 SOFT = 24.0
 """Largest range of a channel within 7 x 7 pixels where zigzags are looked for, levels."""
@@ -36,6 +42,9 @@ LEFT = 2.0
 
 AREA = 64
 """Smallest ramp, px²."""
+
+BETWEEN = 0.05
+"""Least share of a ramp's pixels in the middle half of its contrast."""
 
 FLAT = 256
 """A flat area of so many pixels is no part of the ramp beside it, px²."""
@@ -76,9 +85,11 @@ class Soft(NamedTuple):
 
 
 def find_soft(canvas: Canvas, noise: float) -> Optional[Soft]:
-    """The ramps of a picture with ripples up to `noise` levels, if it has both."""
-    if noise <= ROUNDING or zigzags(canvas) < UNSTEADY:
+    """The ramps of a picture with ripples, most of them no stronger than `noise` levels, if it has both."""
+    share = zigzags(canvas) if noise > ROUNDING else 0.0
+    if share < UNSTEADY:
         return None
+    noise *= _strength(canvas, share)
     even = calm(canvas, noise)
     slopes, count = find_ramps(even, BEND)
     if sloping_area(even, slopes) < SLOPING * slopes.size:
@@ -103,6 +114,13 @@ def find_soft(canvas: Canvas, noise: float) -> Optional[Soft]:
     return Soft(even, slopes, surfaces, plateaus, keys, noise)
 
 
+def _strength(canvas: Canvas, share: float) -> float:
+    """How much stronger than most the strongest ripples of a picture with a share of zigzags are."""
+    if share > GRAINY:
+        return 1.0
+    return DITHERED if np.unique(canvas.keys).size <= REDUCED else RIPPLED
+
+
 def _steep(canvas: Canvas, slopes: np.ndarray, count: int, noise: float) -> Tuple[np.ndarray, np.ndarray]:
     """Sizes of some ramps, and which of them are large and have more contrast than noise alone."""
     size, steep = np.zeros(count, np.int64), np.zeros(count, bool)
@@ -110,8 +128,12 @@ def _steep(canvas: Canvas, slopes: np.ndarray, count: int, noise: float) -> Tupl
         size[number] = spans.size
         if spans.size >= AREA:
             row, col = np.divmod(spans.every(-(-spans.size // _ASKED)), slopes.shape[1])
-            low, high = np.percentile(canvas.colours(canvas.numbers(row, col)), _ENDS, axis=1)
-            steep[number] = (high - low).max() >= noise
+            colour = canvas.colours(canvas.numbers(row, col))
+            low, high = np.percentile(colour, _ENDS, axis=1)
+            most = int(np.argmax(high - low))
+            share = (colour[most] - low[most]) / max(high[most] - low[most], 1.0)
+            # Two flat colours have next to nothing between them.
+            steep[number] = high[most] - low[most] >= noise and np.mean(np.abs(share - 0.5) < 0.25) >= BETWEEN
     return size, steep
 
 

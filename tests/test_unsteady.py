@@ -45,8 +45,14 @@ def scanned(image, grain, seed=1):
     return out
 
 
+def dithered(image, colours):
+    rgb = Image.fromarray(image[..., :3])
+    return np.array(rgb.quantize(palette=rgb.quantize(colours), dither=1).convert("RGBA"))
+
+
 SPOILED = {"q90": lambda image: saved(image, 90), "q75": lambda image: saved(image, 75),
-           "q50": lambda image: saved(image, 50), "scan": lambda image: scanned(image, 3)}
+           "q50": lambda image: saved(image, 50), "scan": lambda image: scanned(image, 3),
+           "gif": lambda image: dithered(image, 12)}
 
 
 def soft_of(image):
@@ -71,7 +77,7 @@ def test_a_ramp_stays_one(kind):
     assert len(soft.surfaces) == 1
     y, x = np.mgrid[:240, :300]
     clear = disc(150, 120, 74)(x, y) & ~disc(120, 100, 18)(x, y) & ~stroke(150, 170, 0.2, 13, 44)(x, y)
-    assert (soft.slopes[clear] == 0).mean() > 0.98
+    assert (soft.slopes[clear] == 0).mean() > 0.975
     row, col = np.nonzero(clear)
     off = soft.surfaces[0].colours(np.stack([col, row], axis=1) + 0.5) - balloon()[row, col, :3]
     assert np.abs(off).mean() < 3
