@@ -78,7 +78,7 @@ def distance(surface: Surface, points: np.ndarray, colour: np.ndarray) -> np.nda
     return np.asarray(np.abs(surface.colours(points) - colour).max(axis=1))
 
 
-def grown_surfaces(ramp: Ramp, area: float) -> Tuple[List[Surface], int]:
+def grown_surfaces(ramp: Ramp, area: float, fit: float = FIT) -> Tuple[List[Surface], int]:
     """Surfaces that together explain most of a ramp, as far as they are wide, and the gradients fitted.
 
     Parameters
@@ -86,6 +86,8 @@ def grown_surfaces(ramp: Ramp, area: float) -> Tuple[List[Surface], int]:
     ramp : Ramp
     area : float
         Fewest pixels of a surface.
+    fit : float
+        A pixel that is farther than this from a surface does not belong to it, levels.
     """
     left = ramp.mask.copy()
     found: List[Surface] = []
@@ -94,7 +96,7 @@ def grown_surfaces(ramp: Ramp, area: float) -> Tuple[List[Surface], int]:
         seed = _widest(left)
         if seed is None:
             break
-        surface, part, tried = _grown(ramp, left, seed)
+        surface, part, tried = _grown(ramp, left, seed, fit)
         fits += tried
         if np.count_nonzero(part) >= area:
             found.append(surface)
@@ -126,11 +128,11 @@ def _eroded(mask: np.ndarray) -> np.ndarray:
     return out
 
 
-def _grown(ramp: Ramp, left: np.ndarray, seed: np.ndarray) -> Tuple[Surface, np.ndarray, int]:
+def _grown(ramp: Ramp, left: np.ndarray, seed: np.ndarray, fit: float) -> Tuple[Surface, np.ndarray, int]:
     """The surface of a seed, all pixels connected with the seed that it explains, and the gradients fitted."""
     part = seed
     for _ in range(_ROUNDS):
-        before, part = part, _reached(ramp, left, seed, _polynomial(ramp, part))
+        before, part = part, _reached(ramp, left, seed, _polynomial(ramp, part), fit)
         if np.count_nonzero(part) < 1.05 * np.count_nonzero(before):
             break
     fits = 0
@@ -138,15 +140,15 @@ def _grown(ramp: Ramp, left: np.ndarray, seed: np.ndarray) -> Tuple[Surface, np.
         fits += 1
         own = part[ramp.mask]
         surface = fitted_surface(ramp.points[own], ramp.colour[own])
-        before, part = part, _reached(ramp, left, seed, surface)
+        before, part = part, _reached(ramp, left, seed, surface, fit)
         if np.count_nonzero(part) < 1.02 * np.count_nonzero(before):
             break
     return surface, part, fits
 
 
-def _reached(ramp: Ramp, left: np.ndarray, seed: np.ndarray, surface: Surface) -> np.ndarray:
+def _reached(ramp: Ramp, left: np.ndarray, seed: np.ndarray, surface: Surface, fit: float) -> np.ndarray:
     """The pixels that a surface explains and that are connected with the seed."""
-    fits = left & (ramp.off(surface) < FIT)
+    fits = left & (ramp.off(surface) < fit)
     areas = mask_areas(fits)
     inside = areas.at(np.flatnonzero(seed & fits))
     size = np.bincount(inside[inside >= 0])

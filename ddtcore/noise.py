@@ -7,7 +7,7 @@ leave small, uneven ripples at some distance from edges too.
 
 from __future__ import annotations
 
-from typing import List, Tuple
+from typing import List, Optional, Tuple
 
 import numpy as np
 
@@ -27,6 +27,9 @@ SPECK = 12.0
 
 REDUCED = 64
 """Most colours on the edges of a picture whose colours were reduced."""
+
+SLOPING = 0.1
+"""Share of a picture's area that its ramps have if they are no ripples."""
 
 _LOW = 32
 _HIGH = 48
@@ -55,12 +58,20 @@ def noise_level(canvas: Canvas, core: np.ndarray, slopes: np.ndarray) -> Tuple[f
     slopes : ndarray of shape (H, W) and dtype int32
         Number of the soft ramp of each pixel, -1 where there is none.
     """
+    level = ripple_level(canvas, core)
+    if level > ROUNDING and sloping_area(canvas, slopes) > SLOPING * slopes.size:
+        return ROUNDING, True
+    return level, level > ROUNDING
+
+
+def ripple_level(canvas: Canvas, core: np.ndarray) -> float:
+    """How high ripples beside the plateaus `core` (H, W) are, levels; `ROUNDING` where there are none."""
     mixed = np.zeros(core.shape, bool)
     # What goes on along the border is a strip of another colour, not a ripple.
     mixed[1:-1, 1:-1] = ~core[1:-1, 1:-1]
     cells = canvas.cells(mixed)
     if not cells.size:
-        return ROUNDING, False
+        return ROUNDING
     share = cells.size / core.size
     cells = cells[::max(1, cells.size // _SAMPLE)]
     here, span = canvas.colours(cells), _spans(canvas, cells)
@@ -70,10 +81,8 @@ def noise_level(canvas: Canvas, core: np.ndarray, slopes: np.ndarray) -> Tuple[f
     uneven[uneven] = ~_between_plateaus(canvas, core, cells[uneven], span[uneven])
     rippled = np.mean(uneven & (span <= _LOW))
     if rippled < 0.05 or rippled * share < 0.005:
-        return ROUNDING, False
-    if _sloping_area(canvas, slopes) > 0.1 * slopes.size:
-        return ROUNDING, True
-    return float(min(STRONGEST, 1.3 * np.median(span[uneven]))), True
+        return ROUNDING
+    return float(min(STRONGEST, 1.3 * np.median(span[uneven])))
 
 
 def mixing_error(canvas: Canvas, labels: np.ndarray, cells: np.ndarray) -> float:
@@ -123,7 +132,8 @@ def _between_plateaus(canvas: Canvas, core: np.ndarray, cells: np.ndarray, span:
     return np.asarray((reach > _APART) & (reach >= 0.8 * span))
 
 
-def noisy_colours(canvas: Canvas, plateaus: Plateaus, noise: float, original: float) -> np.ndarray:
+def noisy_colours(canvas: Canvas, plateaus: Plateaus, noise: float, original: float,
+                  skip: Optional[np.ndarray] = None) -> np.ndarray:
     """The packed colours of a noisy picture: those of large plateaus, then others that fill areas.
 
     What lies near a colour already found is taken for a variation of it: plateaus within
@@ -131,11 +141,11 @@ def noisy_colours(canvas: Canvas, plateaus: Plateaus, noise: float, original: fl
     so where other colours mix to theirs.  The flatter pixels are, the less they vary: many
     that are twice as flat may be half as far from a colour and none of its variations.
     What the `original` noise, before it was averaged away, may have moved away from black
-    and white, or either end of a channel, lies there.
+    and white, or either end of a channel, lies there.  Pixels in `skip` (H, W) do not count.
     """
     least = max(_WIDE, 0.0002 * plateaus.core.size)
     found = unlike(canvas, plateaus.keys[(plateaus.full >= least) | (plateaus.counts >= 4 * least)], noise)
-    cells = canvas.cells(np.ones(canvas.shape, bool))
+    cells = canvas.cells(np.ones(canvas.shape, bool) if skip is None else ~skip)
     cells = cells[::max(1, cells.size // _VOTES)]
     keys, spans = canvas.keys[cells], _spans(canvas, cells)
     for margin in (noise / 2, noise) if original == noise else (noise,):
@@ -209,7 +219,7 @@ def _apart(canvas: Canvas, keys: np.ndarray, key: np.uint32) -> np.ndarray:
     return np.asarray(np.abs(off).max(axis=0))
 
 
-def _sloping_area(canvas: Canvas, slopes: np.ndarray) -> int:
+def sloping_area(canvas: Canvas, slopes: np.ndarray) -> int:
     """Area, px², of the ramps that are no flat areas with ripples: none of their colours has half of it."""
     some = slopes >= 0
     ramp = slopes[some].astype(np.uint64)

@@ -12,7 +12,7 @@ import numpy as np
 from .canvas import Canvas, mean_colours, planes, premultiply, unpack
 from .merging import merge_specks, ward_groups
 from .model import Labels
-from .ramps import is_even
+from .ramps import BEND, is_even
 
 LEAST_AREA = 8.0
 """Smallest region of a posterised picture, px²."""
@@ -39,7 +39,8 @@ def rough_share(lines: np.ndarray, opaque: bool) -> float:
     if lines.shape[1] < 4:
         return 0.0
     row, col = np.nonzero(lines[:, 1:-2] != lines[:, 2:-1])
-    even = is_even(*(planes(lines[row, col + k], opaque) for k in range(4)))
+    before, here, there, after = (planes(lines[row, col + k], opaque) for k in range(4))
+    even = is_even(before, here, there, after, BEND)
     return float(np.count_nonzero(~even) / (len(lines) * (lines.shape[1] - 3)))
 
 

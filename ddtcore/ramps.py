@@ -49,8 +49,14 @@ SLOPING = 0.02
 """Smallest share of a ramp's pixels that differ from a neighbour."""
 
 
-def find_ramps(canvas: Canvas) -> Tuple[np.ndarray, int]:
+def find_ramps(canvas: Canvas, bend: float = BEND) -> Tuple[np.ndarray, int]:
     """Find the connected soft ramps of a picture.
+
+    Parameters
+    ----------
+    canvas : Canvas
+    bend : float
+        Largest change of the step from pixel to pixel, levels.
 
     Returns
     -------
@@ -62,7 +68,7 @@ def find_ramps(canvas: Canvas) -> Tuple[np.ndarray, int]:
     """
     key = canvas.bare(canvas.keys)
     block, uneven, sloped, level = in_parts(
-        lambda rows: _even_blocks(canvas, key, rows), len(key) - 1, size=key.shape[1])
+        lambda rows: _even_blocks(canvas, key, rows, bend), len(key) - 1, size=key.shape[1])
     ramps, count = no_ramps(canvas.shape), 0
     if sloped.size >= AREA:
         areas = block_areas(block)
@@ -71,7 +77,7 @@ def find_ramps(canvas: Canvas) -> Tuple[np.ndarray, int]:
         if count:
             ramps = ramps.copy()
             areas.put(ramps.ravel(), _numbered(chosen, areas.size.size, 0))
-    cells, number = _narrow(canvas, ramps, count, uneven)
+    cells, number = _narrow(canvas, ramps, count, uneven, bend)
     if not cells.size:
         return ramps, count
     ramps = ramps if count else ramps.copy()
@@ -84,15 +90,15 @@ def no_ramps(shape: Tuple[int, int]) -> np.ndarray:
     return np.broadcast_to(np.int16(-1), shape)
 
 
-def _even_blocks(canvas: Canvas, key: np.ndarray, rows: slice) -> Tuple[np.ndarray, ...]:
+def _even_blocks(canvas: Canvas, key: np.ndarray, rows: slice, bend: float) -> Tuple[np.ndarray, ...]:
     """Which 2 x 2 blocks in some rows have even steps on all sides, and which are not of one colour.
 
     And of those that are both, the first pixels, numbered row by row, and their packed colours.
     """
     some = key[rows.start:rows.stop + 1]
     flat_right, flat_down = some[:, 1:] == some[:, :-1], some[1:] == some[:-1]
-    right = _even_steps(canvas, flat_right, 1, rows.start)
-    down = _even_steps(canvas, flat_down, canvas.stride, rows.start)
+    right = _even_steps(canvas, flat_right, 1, rows.start, bend)
+    down = _even_steps(canvas, flat_down, canvas.stride, rows.start, bend)
     block = right[1:] & right[:-1]
     block &= down[:, 1:]
     block &= down[:, :-1]
@@ -110,7 +116,8 @@ def _numbered(chosen: np.ndarray, size: int, first: int) -> np.ndarray:
     return number
 
 
-def _narrow(canvas: Canvas, ramps: np.ndarray, count: int, uneven: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+def _narrow(canvas: Canvas, ramps: np.ndarray, count: int, uneven: np.ndarray,
+            bend: float) -> Tuple[np.ndarray, np.ndarray]:
     """Pixels of ramps apart from the first `count`, even within 3 x 3 only, and the numbers of these further ones."""
     def busy(rows: slice) -> Tuple[np.ndarray]:
         some = uneven[rows.start:rows.stop + 1]
@@ -122,7 +129,7 @@ def _narrow(canvas: Canvas, ramps: np.ndarray, count: int, uneven: np.ndarray) -
         return (canvas.numbers(row + np.int32(rows.start + 1), col + np.int32(1)),)
 
     cells, = in_parts(busy, max(len(uneven) - 1, 0), size=canvas.stride)
-    even, = in_parts(lambda part: (_is_plane(canvas, cells[part]),), cells.size)
+    even, = in_parts(lambda part: (_is_plane(canvas, cells[part], bend),), cells.size)
     middle = cells[even]
     if 9 * middle.size < AREA:
         return middle[:0], middle[:0]
@@ -146,44 +153,46 @@ def _narrow(canvas: Canvas, ramps: np.ndarray, count: int, uneven: np.ndarray) -
     return cells[number >= 0], number[number >= 0]
 
 
-def _is_plane(canvas: Canvas, cells: np.ndarray) -> np.ndarray:
+def _is_plane(canvas: Canvas, cells: np.ndarray, bend: float) -> np.ndarray:
     """Round which pixels the colour changes by small and even steps within 3 x 3."""
     here = canvas.colours(cells)
     plane = np.ones(cells.size, bool)
     for step in (1, canvas.stride, canvas.stride + 1, canvas.stride - 1):
         before, after = canvas.colours(cells - step), canvas.colours(cells + step)
-        plane &= is_straight(before, here, after)
+        plane &= is_straight(before, here, after, bend)
         plane &= np.abs(after - here).max(axis=0) <= STEP
     return plane
 
 
-def _even_steps(canvas: Canvas, equal: np.ndarray, step: int, top: int) -> np.ndarray:
+def _even_steps(canvas: Canvas, equal: np.ndarray, step: int, top: int, bend: float) -> np.ndarray:
     """Where pixels of the rows from `top` on equal the next, or the step is small and like those before and after."""
     cells = canvas.cells(~equal, top)
     # On edges most steps are large.
     even = np.abs(canvas.colours(cells + step) - canvas.colours(cells)).max(axis=0) <= STEP
     some = cells[even]
-    even[even] = is_even(*(canvas.colours(some + k * step) for k in (-1, 0, 1, 2)))
+    before, here, there, after = (canvas.colours(some + k * step) for k in (-1, 0, 1, 2))
+    even[even] = is_even(before, here, there, after, bend)
     out = equal.copy()
     out[~equal] = even
     return out
 
 
-def is_even(before: np.ndarray, here: np.ndarray, there: np.ndarray, after: np.ndarray) -> np.ndarray:
+def is_even(before: np.ndarray, here: np.ndarray, there: np.ndarray, after: np.ndarray,
+            bend: float) -> np.ndarray:
     """Whether four pixels in a row (C, N) change by small and even steps."""
     even: np.ndarray = np.abs(there - here).max(axis=0) <= STEP
-    even &= is_straight(before, here, there)
-    even &= is_straight(here, there, after)
+    even &= is_straight(before, here, there, bend)
+    even &= is_straight(here, there, after, bend)
     return even
 
 
-def is_straight(before: np.ndarray, here: np.ndarray, after: np.ndarray) -> np.ndarray:
+def is_straight(before: np.ndarray, here: np.ndarray, after: np.ndarray, bend: float = BEND) -> np.ndarray:
     """Whether the colour changes alike on both sides of pixels (C, N), but for what rounding makes of it."""
     off = np.abs(before + after - 2 * here)
     if len(off) == 4:
         # Where there is alpha, colours have been rounded twice.
         off[:3] /= 2
-    straight: np.ndarray = off.max(axis=0) <= BEND
+    straight: np.ndarray = off.max(axis=0) <= bend
     return straight
 
 
@@ -200,7 +209,7 @@ def _many_levels(area: np.ndarray, size: np.ndarray, level: np.ndarray) -> np.nd
     return np.sort(chosen[np.argsort(-size[chosen], kind="stable")[:MANY]])
 
 
-def absorb_pieces(canvas: Canvas, labels: np.ndarray, slopes: np.ndarray, most: int) -> None:
+def absorb_pieces(canvas: Canvas, labels: np.ndarray, slopes: np.ndarray, most: int, soft: float = SOFT) -> None:
     """Make the small plateaus unknown that hardly differ from a ramp near them, in place.
 
     Parameters
@@ -211,6 +220,8 @@ def absorb_pieces(canvas: Canvas, labels: np.ndarray, slopes: np.ndarray, most: 
         Number of the ramp of each pixel, -1 where there is none.
     most : int
         Plateaus of so many pixels stay.
+    soft : float
+        How far the colour of a piece may be from the ramp near it, levels.
     """
     small, number, size = _small_plateaus(canvas.bare(labels), slopes, most)
     cells = canvas.cells(small)
@@ -218,7 +229,7 @@ def absorb_pieces(canvas: Canvas, labels: np.ndarray, slopes: np.ndarray, most: 
     sloped = canvas.rimmed(slopes >= 0, False)
     like = np.zeros(cells.size, bool)
     for step in window(canvas.stride, 1, 3):
-        like |= sloped[cells + step] & (np.abs(canvas.colours(cells + step) - here).max(axis=0) < SOFT)
+        like |= sloped[cells + step] & (np.abs(canvas.colours(cells + step) - here).max(axis=0) < soft)
     share = np.bincount(number, like, size.size) / size
     labels[cells[share[number] >= 0.5]] = -1
 

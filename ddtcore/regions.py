@@ -28,12 +28,13 @@ from . import (
     strokes,
     surfaces,
     uneven,
+    unsteady,
 )
 from .calm import LEFT, without_grain
 from .canvas import Canvas, mean_colours, planes, prepare, unpack
 from .growing import Surface
 from .model import Labels
-from .noise import ROUNDING, SPECK, mixing_error, noise_level, noisy_colours
+from .noise import ROUNDING, SPECK, mixing_error, noise_level, noisy_colours, ripple_level
 from .options import TraceOptions
 from .posterise import MOST_REGIONS, is_noisy, posterise
 from .sprites import label_sprite
@@ -74,8 +75,7 @@ def label_pixels(image: np.ndarray, options: TraceOptions) -> Labels:
     elif options.regions == "areas":
         labels = ramps.mark_slopes(canvas, areas.label_areas(canvas, options.areas or MOST_REGIONS))
     elif is_noisy(canvas):
-        calmed = without_grain(canvas)
-        labels = label_flat_art(*calmed) if calmed else posterise(canvas, options.colors or MANY)
+        labels = _label_grainy(canvas, options.colors or MANY)
     else:
         labels = label_flat_art(canvas)
     if options.colors:
@@ -87,6 +87,16 @@ def label_pixels(image: np.ndarray, options: TraceOptions) -> Labels:
     return labels
 
 
+def _label_grainy(canvas: Canvas, most: int) -> Labels:
+    """Label a picture with a grain all over, or a photograph; that in `most` colours."""
+    plateaus = palette.find_plateaus(canvas, np.zeros(canvas.shape, bool))
+    soft = unsteady.find_soft(canvas, ripple_level(canvas, plateaus.core))
+    if soft:
+        return _label_soft(soft)
+    calmed = without_grain(canvas)
+    return label_flat_art(*calmed) if calmed else posterise(canvas, most)
+
+
 def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
     """Label a picture made of flat colours, soft ramps and anti-aliasing between them.
 
@@ -96,6 +106,9 @@ def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
     found: List[Optional[Surface]] = [None] * count
     plateaus = palette.find_plateaus(canvas, slopes >= 0)
     noise, rippled = (grain / LEFT, True) if grain else noise_level(canvas, plateaus.core, slopes)
+    soft = unsteady.find_soft(canvas, ripple_level(canvas, plateaus.core)) if rippled and not grain else None
+    if soft:
+        return _label_soft(soft)
     inks, clear = np.zeros(0, np.uint32), None
     if noise > ROUNDING and not grain and ringing.is_ringing(canvas, plateaus.core):
         (canvas, inks), noise = ringing.without_ringing(canvas), ringing.LEFT
@@ -132,8 +145,8 @@ def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
     colours = unpack(keys).astype(np.float64)
     if count:
         # What is drawn on ramps is narrow, and so are its pieces.
-        soft = sum(surface is not None for surface in found)
-        ramps.absorb_pieces(canvas, labels, np.where(slopes < soft, slopes, -1), ramps.PIECE)
+        wide = sum(surface is not None for surface in found)
+        ramps.absorb_pieces(canvas, labels, np.where(slopes < wide, slopes, -1), ramps.PIECE)
         ramps.absorb_pieces(canvas, labels, slopes, overlays.WIDE)
         canvas.bare(labels)[slopes >= 0] = slopes[slopes >= 0] + keys.size
         colours = np.concatenate([colours, mean_colours(canvas, slopes)])
@@ -155,6 +168,32 @@ def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
     if specks > DITHER * cells.size + 10:
         return merging.merge_specks(result, SPECK)
     return _merge_ripples(canvas, result, noise) if rippled else merging.drop_unused(result)
+
+
+def _label_soft(soft: unsteady.Soft) -> Labels:
+    """Label a picture whose soft ramps and flat colours are known, but for ripples."""
+    canvas, slopes, found, plateaus, keys, noise = soft
+    labels = palette.known_labels(canvas, plateaus, keys, noise)
+    cells = canvas.cells(~plateaus.core & (slopes < 0))
+    doubt = max(noise / unsteady.LEFT, mixing_error(canvas, labels, cells))
+    ridges = strokes.find_ridges(canvas, cells, doubt)
+    more = strokes.new_colours(canvas, cells, ridges, planes(keys, canvas.opaque), labels, doubt)
+    if more.size:
+        keys = np.append(keys, more)
+        labels = palette.known_labels(canvas, plateaus, keys, noise)
+    ramps.absorb_pieces(canvas, labels, slopes, ramps.PIECE, 2 * noise)
+    canvas.bare(labels)[slopes >= 0] = slopes[slopes >= 0] + keys.size
+    colours = np.concatenate([unpack(keys).astype(np.float64), mean_colours(canvas, slopes)])
+    surfaces_of = [*[None] * keys.size, *found]
+    thin, specks = _label_unknown(canvas, labels, ridges, keys, colours, doubt)
+    scraps.join_scraps(canvas, labels, canvas.mixing(colours), surfaces_of, thin)
+    index, thin = (np.ascontiguousarray(canvas.bare(plane)) for plane in (labels, thin))
+    result = Labels(index=index, palette=colours, thin=thin, ramp=np.arange(len(colours)) >= keys.size,
+                    gradients=tuple(surface and surface.gradient for surface in surfaces_of))
+    result = merging.merge_twins(result, canvas.mixing(colours))
+    if specks > DITHER * cells.size + 10:
+        result = merging.merge_specks(result, unsteady.SPECK)
+    return _merge_ripples(canvas, result, noise, unsteady.SPECK)
 
 
 def _stray(canvas: Canvas, labels: np.ndarray, colour: np.ndarray) -> bool:
@@ -214,12 +253,12 @@ def _label_unknown(canvas: Canvas, labels: np.ndarray, ridges: strokes.Ridges, k
     return thin, specks
 
 
-def _merge_ripples(canvas: Canvas, labels: Labels, noise: float) -> Labels:
-    """Merge the specks that JPEG and resizing leave, but no dots that stand out."""
+def _merge_ripples(canvas: Canvas, labels: Labels, noise: float, least: float = SPECK) -> Labels:
+    """Merge the specks of less than `least` px² that JPEG and resizing leave, but no dots that stand out."""
     colours = canvas.mixing(labels.palette)
 
     def stands_out(mask: np.ndarray, index: np.ndarray) -> np.ndarray:
         off = canvas.colours(canvas.cells(mask)) - colours[:, index]
         return np.asarray(np.abs(off).max(axis=0) > max(CONTRAST, 5 * noise))
 
-    return merging.merge_specks(labels, SPECK, stands_out)
+    return merging.merge_specks(labels, least, stands_out)

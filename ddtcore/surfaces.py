@@ -48,7 +48,8 @@ _CONTACT, _TRIES = 8, 64
 _SMOOTH = 3
 
 
-def separate(canvas: Canvas, ramps: np.ndarray, count: int, free: np.ndarray) -> Tuple[np.ndarray, List[Surface]]:
+def separate(canvas: Canvas, ramps: np.ndarray, count: int, free: np.ndarray,
+             fit: float = FIT) -> Tuple[np.ndarray, List[Surface]]:
     """Part the ramps that no single gradient explains, and extend all to free pixels.
 
     Parameters
@@ -60,6 +61,8 @@ def separate(canvas: Canvas, ramps: np.ndarray, count: int, free: np.ndarray) ->
         How many there are.
     free : ndarray of shape (H, W) and dtype bool
         Pixels that may come to ramps they touch, if they have the colours of those there.
+    fit : float
+        How far pixels may be from the surface of their ramp, levels of a channel.
 
     Returns
     -------
@@ -76,12 +79,12 @@ def separate(canvas: Canvas, ramps: np.ndarray, count: int, free: np.ndarray) ->
     pieces = []
     fits, compared = _FITS, _COMPARED
     for k in sorted(range(count), key=lambda k: -members[k].size):
-        whole, good = _whole(canvas, members[k])
+        whole, good = _whole(canvas, members[k], fit)
         window = members[k].window(ramps.shape, 0)
         area = (window[0].stop - window[0].start) * (window[1].stop - window[1].start)
         if not good and fits > 0 and area * MOST <= compared:
             mask = ramps[window] == k
-            parts, some, tried = _parted(canvas, mask, members[k].size, window, whole)
+            parts, some, tried = _parted(canvas, mask, members[k].size, window, whole, fit)
             fits, compared = fits - tried, compared - area * len(some)
             used = np.flatnonzero(np.bincount(parts[mask] + 1, minlength=len(some) + 1)[1:])
             into = np.full(len(some) + 1, -1, np.int32)
@@ -94,12 +97,12 @@ def separate(canvas: Canvas, ramps: np.ndarray, count: int, free: np.ndarray) ->
     renumber(ramps, number)
     for window, mask, parts in pieces:
         ramps[window][mask] = parts
-    surfaces = _joined(canvas, ramps, surfaces)
-    _extend(canvas, ramps, surfaces, free)
+    surfaces = _joined(canvas, ramps, surfaces, fit)
+    extend(canvas, ramps, surfaces, free, fit)
     return ramps, surfaces
 
 
-def _whole(canvas: Canvas, spans: Spans, limit: float = FIT) -> Tuple[Surface, bool]:
+def _whole(canvas: Canvas, spans: Spans, limit: float) -> Tuple[Surface, bool]:
     """The gradient of a ramp, and whether nearly all pixels are nearer to it than a limit."""
     points, colour = _pixels(canvas, spans.every(-(-spans.size // _CELLS)))
     surface = fitted_surface(points, colour)
@@ -112,17 +115,17 @@ def _pixels(canvas: Canvas, cells: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     return np.stack([col, row], axis=1) + 0.5, canvas.colours(canvas.numbers(row, col)).T
 
 
-def _joined(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface]) -> List[Surface]:
+def _joined(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], fit: float) -> List[Surface]:
     """Join ramps that meet without a jump, in place, where one gradient explains both: a stop lies between them."""
     members = spans_of(ramps, len(surfaces))
     into = list(range(len(surfaces)))
     for one, other, points in _contacts(ramps, len(surfaces)):
         one, other = into[one], into[other]
         off = surfaces[one].colours(points) - surfaces[other].colours(points)
-        if one == other or np.median(np.abs(off).max(axis=1)) > 2 * FIT:
+        if one == other or np.median(np.abs(off).max(axis=1)) > 2 * fit:
             continue
         both = members[one].and_those_of(members[other])
-        surface, good = _whole(canvas, both, FIT / 2)
+        surface, good = _whole(canvas, both, fit / 2)
         if good and surface.gradient is not None:
             members[one], surfaces[one] = both, surface
             into = [one if k == other else k for k in into]
@@ -153,7 +156,7 @@ def _contacts(ramps: np.ndarray, count: int) -> List[Tuple[int, int, np.ndarray]
             for k in longest.tolist() if size[k] >= _CONTACT]
 
 
-def _extend(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], free: np.ndarray) -> None:
+def extend(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], free: np.ndarray, fit: float) -> None:
     """Extend ramps to the free pixels connected with them that have their colours, in place."""
     work = _WORK
     for number, spans in enumerate(spans_of(ramps, len(surfaces))):
@@ -164,7 +167,7 @@ def _extend(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], free: np
         if work < 0 or not row.size:
             continue
         points, colour = _pixels(canvas, (row + window[0].start) * ramps.shape[1] + col + window[1].start)
-        fits = distance(surfaces[number], points, colour) < FIT
+        fits = distance(surfaces[number], points, colour) < fit
         if not fits.any():
             continue
         own = here == number
@@ -183,43 +186,44 @@ def _extend(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], free: np
 
 
 def _parted(canvas: Canvas, mask: np.ndarray, size: int, window: Tuple[slice, slice],
-            whole: Surface) -> Tuple[np.ndarray, List[Surface], int]:
+            whole: Surface, fit: float) -> Tuple[np.ndarray, List[Surface], int]:
     """Number of the surface of each pixel in a window, -1 for none, the surfaces, and the gradients fitted."""
     step = int(np.ceil(np.sqrt(max(size / _CELLS, mask.size / (8 * _CELLS)))))
-    surfaces, fits = grown_surfaces(Ramp.of(canvas, mask, window, step), AREA / step**2)
+    surfaces, fits = grown_surfaces(Ramp.of(canvas, mask, window, step), AREA / step**2, fit)
     if not surfaces:
         return np.where(mask, 0, -1).astype(np.int32), [whole], fits
-    parts = _assigned(canvas, mask, window, surfaces)
+    parts = _assigned(canvas, mask, window, surfaces, fit)
     _drop_flat(parts, canvas.bare(canvas.keys)[window], surfaces)
     return parts, surfaces, fits
 
 
-def _assigned(canvas: Canvas, mask: np.ndarray, window: Tuple[slice, slice], surfaces: List[Surface]) -> np.ndarray:
+def _assigned(canvas: Canvas, mask: np.ndarray, window: Tuple[slice, slice], surfaces: List[Surface],
+              fit: float) -> np.ndarray:
     """The number of the surface that explains each pixel of a ramp best, -1 for none."""
     parts = np.full(mask.shape, -1, np.int32)
     rows = max(8 * _SMOOTH, _STRIP // (mask.shape[1] * len(surfaces)))
     for first in range(0, len(mask), rows):
         start, stop = max(first - _SMOOTH, 0), min(first + rows + _SMOOTH, len(mask))
         strip = slice(window[0].start + start, window[0].start + stop), window[1]
-        nearest = _nearest(Ramp.of(canvas, mask[start:stop], strip), surfaces)
+        nearest = _nearest(Ramp.of(canvas, mask[start:stop], strip), surfaces, fit)
         parts[first:first + rows] = nearest[first - start:first - start + rows]
     area = label_components(parts)
     parts[np.bincount(area.ravel())[area] < AREA] = -1
     return parts
 
 
-def _nearest(ramp: Ramp, surfaces: List[Surface]) -> np.ndarray:
+def _nearest(ramp: Ramp, surfaces: List[Surface], fit: float) -> np.ndarray:
     """The number of the surface that explains each pixel best, -1 for none.
 
     Where several explain it alike, its surroundings decide.
     """
     off = np.stack([ramp.off(surface) for surface in surfaces])
-    cost = np.minimum(off, 3 * FIT) ** 2
+    cost = np.minimum(off, 3 * fit) ** 2
     cost[:, ~ramp.mask] = 0
-    alike = cost < cost.min(axis=0) + FIT**2
+    alike = cost < cost.min(axis=0) + fit**2
     smooth = np.stack([_blurred(plane) for plane in cost])
     parts: np.ndarray = np.where(alike, smooth, np.inf).argmin(axis=0)
-    parts[~ramp.mask | (off.min(axis=0) > 2 * FIT)] = -1
+    parts[~ramp.mask | (off.min(axis=0) > 2 * fit)] = -1
     return parts
 
 

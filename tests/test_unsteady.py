@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Pictures with soft ramps that were saved as JPEG or scanned: a ramp stays one, and clean ones are left alone."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+import pytest
+from artwork import disc, draw, everywhere, stroke
+from PIL import Image
+
+from ddtcore import trace
+from ddtcore.canvas import prepare
+from ddtcore.noise import ripple_level
+from ddtcore.options import TraceOptions
+from ddtcore.palette import find_plateaus
+from ddtcore.regions import label_pixels
+from ddtcore.unsteady import UNSTEADY, find_soft, zigzags
+
+PAPER, INK, SKIN = (255, 255, 255, 255), (0, 0, 0, 255), (200, 120, 40, 255)
+
+
+def balloon(height=240, width=300, by=40):
+    """A disc with a thick outline, a ramp in it, and strokes on and beside it."""
+    image = draw(height, width, [(PAPER, everywhere), (INK, disc(150, 120, 90)), (SKIN, disc(150, 120, 78)),
+                                 (INK, disc(120, 100, 14)), (INK, stroke(150, 170, 0.2, 5, 40))])
+    rgb = image[..., :3].astype(float)
+    across = np.linspace(-by, by, width)[None, :, None] * (1, 0.8, 0.6)
+    share = np.clip(rgb / SKIN[:3], 0, 1).min(axis=-1, keepdims=True) * (rgb[..., 2:] < 128)
+    image[..., :3] = np.rint((rgb + share * across).clip(0, 255))
+    return image
+
+
+def saved(image, quality):
+    buffer = io.BytesIO()
+    Image.fromarray(image[..., :3]).save(buffer, "JPEG", quality=quality)
+    return np.array(Image.open(buffer).convert("RGBA"))
+
+
+def scanned(image, grain, seed=1):
+    out = image.copy()
+    out[..., :3] = np.rint((image[..., :3] + np.random.RandomState(seed).normal(0, grain, image[..., :3].shape))
+                           .clip(0, 255))
+    return out
+
+
+def dithered(image, colours):
+    rgb = Image.fromarray(image[..., :3])
+    return np.array(rgb.quantize(palette=rgb.quantize(colours), dither=1).convert("RGBA"))
+
+
+SPOILED = {"q90": lambda image: saved(image, 90), "q75": lambda image: saved(image, 75),
+           "q50": lambda image: saved(image, 50), "scan": lambda image: scanned(image, 3),
+           "gif": lambda image: dithered(image, 12)}
+
+
+def soft_of(image):
+    canvas = prepare(image)
+    core = find_plateaus(canvas, np.zeros(canvas.shape, bool)).core
+    return find_soft(canvas, ripple_level(canvas, core))
+
+
+@pytest.mark.parametrize("kind", SPOILED)
+def test_zigzags_tell_spoiled_pictures_from_clean_ones(kind):
+    assert zigzags(prepare(balloon())) < UNSTEADY / 2
+    assert zigzags(prepare(SPOILED[kind](balloon()))) > UNSTEADY
+
+
+def test_clean_pictures_have_nothing_to_be_calmed():
+    assert soft_of(balloon()) is None
+
+
+@pytest.mark.parametrize("kind", SPOILED)
+def test_a_ramp_stays_one(kind):
+    soft = soft_of(SPOILED[kind](balloon()))
+    assert len(soft.surfaces) == 1
+    y, x = np.mgrid[:240, :300]
+    clear = disc(150, 120, 74)(x, y) & ~disc(120, 100, 18)(x, y) & ~stroke(150, 170, 0.2, 13, 44)(x, y)
+    assert (soft.slopes[clear] == 0).mean() > 0.975
+    row, col = np.nonzero(clear)
+    off = soft.surfaces[0].colours(np.stack([col, row], axis=1) + 0.5) - balloon()[row, col, :3]
+    assert np.abs(off).mean() < 3
+
+
+@pytest.mark.parametrize("kind", SPOILED)
+def test_flat_art_has_no_ramps(kind):
+    assert soft_of(SPOILED[kind](balloon(by=0))) is None
+
+
+@pytest.mark.parametrize("kind", SPOILED)
+def test_a_spoiled_picture_has_hardly_more_shapes(kind):
+    spoiled, clean = (trace(image).shapes for image in (SPOILED[kind](balloon()), balloon()))
+    assert len(spoiled) <= 1.5 * len(clean)
+    assert sum(shape.gradient is not None for shape in spoiled) >= 1
+
+
+@pytest.mark.parametrize("kind", SPOILED)
+def test_labels_are_those_of_the_clean_picture(kind):
+    spoiled, clean = (label_pixels(image, TraceOptions()) for image in (SPOILED[kind](balloon()), balloon()))
+    assert spoiled.ramp.sum() == 1
+    assert (spoiled.ramp[spoiled.index] != clean.ramp[clean.index]).mean() < 0.01
