@@ -23,7 +23,7 @@ from .model import Labels
 from .options import TraceOptions
 from .parts import in_parts
 from .posterise import ROUGH, rough_share
-from .raster import is_opaque, packed
+from .raster import is_opaque, packed, pixel_keys
 from .reduction import reduce
 
 PIXEL = 0.2e-6
@@ -94,7 +94,7 @@ def label_within_budget(image: np.ndarray, options: TraceOptions, label: Callabl
 
 def labelling_seconds(image: np.ndarray, options: TraceOptions) -> float:
     """How long it will take to label a picture (H, W, 4), by a sample of its rows and columns."""
-    opaque, key = is_opaque(image), np.ascontiguousarray(image).view(np.uint32)[..., 0]
+    opaque, key = is_opaque(image), pixel_keys(image)
     steps, rough = 0.0, 1.0
     for lines in (key, key.T):
         keys = packed(unpack(lines[::max(1, len(lines) // _LINES)]))

@@ -15,7 +15,7 @@ from typing import Tuple
 import numpy as np
 
 from .parts import in_parts
-from .raster import is_opaque
+from .raster import is_opaque, pixel_keys
 
 RIM = 3
 """Pixels added on each side, so that windows up to 7 x 7 stay inside the arrays."""
@@ -91,7 +91,7 @@ class Canvas:
 def prepare(image: np.ndarray) -> Canvas:
     """Lay out a uint8 (H, W, 4) RGBA picture for labelling."""
     opaque = is_opaque(image)
-    keys = np.ascontiguousarray(image).view(np.uint32)[..., 0]
+    keys = pixel_keys(image)
     if not opaque:
         keys = np.where(image[..., 3] == 0, np.uint32(0), keys)
     return Canvas(image.shape[:2], np.pad(keys, RIM, mode="edge").ravel(), opaque)

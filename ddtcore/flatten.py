@@ -16,6 +16,7 @@ import numpy as np
 from .canvas import premultiply
 from .model import Labels
 from .paint import local_colours
+from .raster import pixel_keys
 from .sides import window
 
 _REACH = 2
@@ -74,8 +75,7 @@ def remix(image: np.ndarray, labels: Labels, index: np.ndarray, origin: np.ndarr
     ndarray of shape (H, W, 4) and dtype uint8
     """
     out = np.array(image, order="C")
-    # Packed, four bytes are moved as one number.
-    keys, painted = (np.ascontiguousarray(rgba).view(np.uint32)[..., 0] for rgba in (out, straightened(colours)))
+    keys, painted = pixel_keys(out), pixel_keys(straightened(colours))
     for start in range(0, len(index), _ROWS):
         number = index[start:start + _ROWS]
         np.copyto(keys[start:start + _ROWS], painted[number], where=changed[number])

@@ -8,6 +8,7 @@ from typing import Iterator, NamedTuple, Tuple
 import numpy as np
 
 from .canvas import premultiply
+from .raster import is_opaque
 from .sides import window
 
 _FEW = 16
@@ -126,7 +127,7 @@ def _even(image: np.ndarray, regions: np.ndarray, cells: np.ndarray) -> np.ndarr
 def _height(image: np.ndarray, regions: np.ndarray, cells: np.ndarray) -> np.ndarray:
     """How far the colours of pixels are from the mean of those of other regions within 7 x 7."""
     colours, own = image.reshape(-1, 4), regions.ravel()[cells]
-    opaque = bool((image[..., 3] == 255).all())
+    opaque = is_opaque(image)
 
     def colours_of(some: np.ndarray) -> np.ndarray:
         rgba = colours[some].astype(np.float32)

@@ -55,7 +55,7 @@ def noise_level(canvas: Canvas, core: np.ndarray, slopes: np.ndarray) -> Tuple[f
     ----------
     core : ndarray of shape (H, W) and dtype bool
         Pixels of plateaus.
-    slopes : ndarray of shape (H, W) and dtype int32
+    slopes : ndarray of shape (H, W) and dtype int16
         Number of the soft ramp of each pixel, -1 where there is none.
     """
     level = ripple_level(canvas, core)

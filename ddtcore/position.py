@@ -20,6 +20,7 @@ from .border import barycentres
 from .model import Labels, Mesh, PlanarMap, Polylines
 from .options import TraceOptions
 from .parts import in_parts
+from .raster import pixel_keys
 from .staircase import SLACK, find_staircases
 
 REACH = 4
@@ -180,8 +181,7 @@ def _pixels(image: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 def _at(image: np.ndarray, pixels: np.ndarray) -> np.ndarray:
     """Pixels (..., 4) of a picture, numbered row by row."""
-    # Packed, four bytes are moved as one number.
-    keys = np.ascontiguousarray(image).view(np.uint32).ravel()[pixels]
+    keys = pixel_keys(image).ravel()[pixels]
     return np.asarray(keys[..., np.newaxis].view(np.uint8))
 
 

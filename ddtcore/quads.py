@@ -32,6 +32,7 @@ import numpy as np
 from .components import next_among
 from .cost import EdgeCost, premultiplied_levels
 from .model import Labels
+from .raster import pixel_keys
 
 
 class Steps(NamedTuple):
@@ -57,8 +58,7 @@ def colour_steps(image: np.ndarray, quads: np.ndarray) -> Steps:
     Steps
         Channels that are the same in all these quads are left out: they cost nothing.
     """
-    # Packed, four bytes are moved as one number.
-    keys = _corner_values(np.ascontiguousarray(image).view(np.uint32)[..., 0], quads)
+    keys = _corner_values(pixel_keys(image), quads)
     a, b, c, d = np.moveaxis(premultiplied_levels(keys[..., np.newaxis].view(np.uint8)), 2, 1)
     steps = np.stack([b - a, c - d, d - a, c - b])
     return Steps(*steps[:, steps.any(axis=(0, 2))])

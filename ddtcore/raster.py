@@ -133,14 +133,17 @@ def check_image(image: np.ndarray) -> np.ndarray:
 
 def packed(image: np.ndarray) -> np.ndarray:
     """Each pixel of a uint8 picture (H, W, 4) in one number, uint32 (H, W); 0 for all that are transparent."""
-    keys = np.ascontiguousarray(image).view(np.uint32)[..., 0]
-    return np.where(image[..., 3] > 0, keys, np.uint32(0))
+    return np.where(image[..., 3] > 0, pixel_keys(image), np.uint32(0))
+
+
+def pixel_keys(image: np.ndarray) -> np.ndarray:
+    """Each pixel of a uint8 picture (..., 4) in one number, uint32 (...): so four bytes are moved as one."""
+    return np.asarray(np.ascontiguousarray(image).view(np.uint32)[..., 0])
 
 
 def is_opaque(image: np.ndarray) -> bool:
     """Whether all pixels of a uint8 picture (H, W, 4) have alpha 255."""
-    keys = np.ascontiguousarray(image).view(np.uint32).ravel()
-    return bool(np.bitwise_and.reduce(keys)[np.newaxis].view(np.uint8)[3] == 255)
+    return bool(np.bitwise_and.reduce(pixel_keys(image).ravel())[np.newaxis].view(np.uint8)[3] == 255)
 
 
 def _check_length(length: int, name: str) -> None:

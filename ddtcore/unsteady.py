@@ -64,7 +64,7 @@ class Soft(NamedTuple):
     Attributes
     ----------
     canvas : Canvas
-    slopes : ndarray of shape (H, W) and dtype int32
+    slopes : ndarray of shape (H, W) and dtype int16
         Number of the ramp of each pixel, -1 where there is none.
     surfaces : list of Surface
         One for each ramp.
@@ -94,7 +94,7 @@ def find_soft(canvas: Canvas, noise: float) -> Optional[Soft]:
     slopes, count = find_ramps(even, BEND)
     if sloping_area(even, slopes) < SLOPING * slopes.size:
         return None
-    slopes = slopes.astype(np.int32)
+    slopes = slopes.copy()
     size, steep = _steep(even, slopes, count, noise)
     if size[steep].sum() < SLOPING * slopes.size:
         return None
