@@ -37,6 +37,10 @@ PULL = 0.02
 """Weight of a third of the chord as the length of a handle, which settles what points leave open."""
 
 
+_PAIRS, _SIGNS = [1, 0, 3, 2, 5], np.array([1, -1, 1, -1, 1])
+"""How a quarter turn changes the parts across and along of two handles and of what is left to explain."""
+
+
 class Fit(NamedTuple):
     """Candidate segments and how well they fit.
 
@@ -212,12 +216,13 @@ def _between(t: np.ndarray, row: np.ndarray, column: np.ndarray) -> np.ndarray:
 def _fit(spans: _Spans, t: np.ndarray, rounds: int) -> Tuple[np.ndarray, np.ndarray]:
     """Handles (M, 2) and parameters of the samples, each in turn."""
     turn, slide = np.ones((1, 1), complex), 1.0
-    for _ in range(rounds):
+    for k in range(rounds):
+        if k:
+            slope = power[1] + t * (2 * power[2] + 3 * t * power[3])
+            turn, slide = slope.conj() / np.maximum(np.abs(slope), 1e-9), SLIDE
         handles = _solve(spans, t, turn, slide)
         power = _powers(spans, handles)
         t = _project(power, t, spans.place)
-        slope = power[1] + t * (2 * power[2] + 3 * t * power[3])
-        turn, slide = slope.conj() / np.maximum(np.abs(slope), 1e-9), SLIDE
     return handles, t
 
 
@@ -235,12 +240,35 @@ def _along(power: np.ndarray, t: np.ndarray) -> np.ndarray:
 
 def _project(power: np.ndarray, t: np.ndarray, place: np.ndarray) -> np.ndarray:
     """One Newton step of each parameter towards the foot of the perpendicular from its point."""
-    away = _along(power, t) - place
-    slope = power[1] + t * (2 * power[2] + 3 * t * power[3])
-    bend = 2 * power[2] + 6 * t * power[3]
-    steep = slope.real ** 2 + slope.imag ** 2 + away.real * bend.real + away.imag * bend.imag
-    step = (away.real * slope.real + away.imag * slope.imag) / np.where(steep > 1e-9, steep, np.inf)
-    return np.asarray(np.clip(t - np.clip(step, -0.2, 0.2), 0.0, 1.0))
+    steep, step = _fall(power.real, t, place.real)
+    for part, more in zip((steep, step), _fall(power.imag, t, place.imag)):
+        part += more
+    steep[steep <= 1e-9] = np.inf
+    step /= steep
+    return _clipped(t - _clipped(step, -0.2, 0.2), 0.0, 1.0)
+
+
+def _fall(power: np.ndarray, t: np.ndarray, place: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Second and first derivative of half the squared distance in one coordinate; in place, as arrays are large."""
+    away = t * power[3]
+    bend = 3 * away
+    slope = bend + 2 * power[2]
+    away += power[2]
+    for part, lower in ((away, power[1]), (away, power[0]), (slope, power[1])):
+        part *= t
+        part += lower
+    away -= place
+    bend += bend
+    bend += 2 * power[2]
+    bend *= away
+    away *= slope
+    slope *= slope
+    slope += bend
+    return slope, away
+
+
+def _clipped(value: np.ndarray, low: float, high: float) -> np.ndarray:
+    return np.maximum(np.minimum(value, high, out=value), low, out=value)
 
 
 def _solve(spans: _Spans, t: np.ndarray, turn: np.ndarray, slide: float) -> np.ndarray:
@@ -251,19 +279,20 @@ def _solve(spans: _Spans, t: np.ndarray, turn: np.ndarray, slide: float) -> np.n
     s, m = 1 - t, len(t)
     lead = turn * np.sqrt(spans.weight)
     rest = lead * (spans.place - spans.end + s * s * (1 + 2 * t) * (spans.end - spans.start))
-    parts = np.empty((m, 4, 2, t.shape[1]))
-    for end, weight in ((0, 3 * s * s * t), (1, 3 * s * t * t)):
-        column = lead * weight * spans.tangent[:, end, None]
-        parts[:, 2 * end, 0], parts[:, 2 * end, 1] = column.imag, slide * column.real
-        parts[:, 2 * end + 1, 0], parts[:, 2 * end + 1, 1] = column.real, -slide * column.imag
-    design = parts.reshape(m, 4, -1)
-    normal = design @ design.transpose(0, 2, 1)
-    right = design @ np.concatenate([rest.imag, slide * rest.real], axis=1)[..., None]
+    begin, end = 3 * s * s * t * lead * spans.tangent[:, :1], 3 * s * t * t * lead * spans.tangent[:, 1:]
+    parts = np.empty((m, 3, 2, t.shape[1]))
+    for k, column in enumerate((begin, end, rest)):
+        parts[:, k, 0], parts[:, k, 1] = column.imag, column.real
+    # A quarter turn brings what lies along the curve across it.
+    across = parts.reshape(m, 6, -1) @ parts[:, :2].reshape(m, 4, -1).transpose(0, 2, 1)
+    along = (across[:, _PAIRS] * _SIGNS[:, None])[:, :, _PAIRS[:4]] * _SIGNS[:4]
+    normal = across[:, :4] + slide * slide * along[:, :4]
+    right = across[:, 4] + slide * slide * along[:, 4]
     chord = np.maximum(np.abs(spans.end - spans.start), 1e-6)
     normal[:, [0, 2], [0, 2]] += PULL
-    right[:, [0, 2], 0] += PULL * chord / 3
+    right[:, [0, 2]] += PULL * chord / 3
     normal[:, [1, 3], [1, 3]] += np.where(spans.smooth, 1e6, 0.03)
-    handle = np.linalg.solve(normal, right).reshape(m, 2, 2)
+    handle = np.linalg.solve(normal, right[..., None]).reshape(m, 2, 2)
     wild = (handle[..., 0] < 0.03 * chord) | (handle[..., 0] > 1.6 * chord)
     along = np.where(wild, chord / 3, handle[..., 0])
     return np.asarray((along + 1j * np.where(wild, 0, handle[..., 1])) * spans.tangent)
