@@ -11,14 +11,17 @@ import numpy as np
 
 
 def basis(t: np.ndarray) -> np.ndarray:
-    """The cubic Bernstein polynomials at `t`, (N, 4)."""
+    """The cubic Bernstein polynomials at `t`, (4, N)."""
     s = 1 - t
-    return np.stack([s * s * s, 3 * s * s * t, 3 * s * t * t, t * t * t], axis=-1)
+    return np.stack([s * s * s, 3 * s * s * t, 3 * s * t * t, t * t * t])
 
 
 def evaluate(control: np.ndarray, segment: np.ndarray, t: np.ndarray) -> np.ndarray:
     """Points (N, 2) of cubic segments."""
-    return np.asarray(np.einsum("nk,nkd->nd", basis(t), control[segment]))
+    # Coordinates in rows: several times as quick as rows of coordinates.
+    parts = np.ascontiguousarray(control.transpose(1, 2, 0))
+    points = sum(weight * part.take(segment, axis=1) for weight, part in zip(basis(t), parts))
+    return np.asarray(points).T
 
 
 def from_line(start: np.ndarray, end: np.ndarray) -> np.ndarray:

@@ -17,7 +17,7 @@ import numpy as np
 from . import bezier
 
 SAGITTA = 0.005
-"""How far chords may stray from a curve, px."""
+"""How far chords may stray from a curve that is to be exact, px."""
 
 
 class Pieces(NamedTuple):
@@ -30,7 +30,7 @@ class Pieces(NamedTuple):
         ``row * width + col``.
     t : ndarray of shape (M,)
         Parameter at the middle of the piece.
-    move : ndarray of shape (M, 2)
+    move : ndarray of shape (2, M)
         From the beginning of the piece to its end, px.
     inset : ndarray of shape (M,)
         Distance of the middle from the left side of the pixel.
@@ -43,7 +43,8 @@ class Pieces(NamedTuple):
     inset: np.ndarray
 
 
-def cut_into_pixels(control: np.ndarray, line: np.ndarray, shape: Tuple[int, int]) -> Pieces:
+def cut_into_pixels(control: np.ndarray, line: np.ndarray, shape: Tuple[int, int],
+                    sagitta: float = SAGITTA) -> Pieces:
     """Flatten segments and cut them at the pixel grid.
 
     Parameters
@@ -52,6 +53,8 @@ def cut_into_pixels(control: np.ndarray, line: np.ndarray, shape: Tuple[int, int
     line : ndarray of shape (S,) and dtype bool
     shape : (int, int)
         Rows and columns of the picture.
+    sagitta : float
+        How far chords may stray from the curves, px.
 
     Returns
     -------
@@ -59,34 +62,30 @@ def cut_into_pixels(control: np.ndarray, line: np.ndarray, shape: Tuple[int, int
     """
     bend = np.where(line, 0, np.square(np.diff(control, n=2, axis=1)).sum(axis=2).max(axis=1))
     # A chord over 1/n of a cubic strays by 6/8 of its largest second difference / n² at most.
-    count = np.maximum(np.ceil(np.sqrt(0.75 / SAGITTA) * bend ** 0.25), 1).astype(np.int64)
+    count = np.maximum(np.ceil(np.sqrt(0.75 / sagitta) * bend ** 0.25), 1).astype(np.int64)
     segment = np.repeat(np.arange(len(control)), count)
     dt = 1 / count[segment]
     t0 = (np.arange(len(segment)) - np.repeat(np.cumsum(count) - count, count)) * dt
-    start = bezier.evaluate(control, segment, t0)
+    start = bezier.evaluate(control, segment, t0).T
     end = np.empty_like(start)
-    end[:-1] = start[1:]
-    end[np.cumsum(count) - 1] = control[:, 3]
-    way = end - start
+    end[:, :-1] = start[:, 1:]
+    end[:, np.cumsum(count) - 1] = control[:, 3].T
     chord, begin, width = _cut_at_grid(start, end)
     middle = begin + width / 2
-    move = way[chord]
-    at = start[chord] + middle[:, None] * move
-    cell = np.floor(at).astype(np.int64)
+    move = (end - start).take(chord, axis=1)
+    x, y = start.take(chord, axis=1) + middle * move
     # What bulges out on the left still bounds the row; elsewhere outside nothing is seen.
-    np.maximum(cell[:, 0], 0, out=cell[:, 0])
-    at[:, 0] = np.maximum(at[:, 0], 0)
-    inside = (cell[:, 0] < shape[1]) & (cell[:, 1] >= 0) & (cell[:, 1] < shape[0]) & (width > 1e-9)
-    chord, cell = chord[inside], cell[inside]
-    return Pieces(segment[chord], cell[:, 1] * shape[1] + cell[:, 0],
-                  t0[chord] + middle[inside] * dt[chord], move[inside] * width[inside, None],
-                  at[inside, 0] - cell[:, 0])
+    np.maximum(x, 0, out=x)
+    col, row = x.astype(np.int64), np.floor(y).astype(np.int64)
+    pieces = Pieces(segment[chord], row * shape[1] + col, t0[chord] + middle * dt[chord], move * width, x - col)
+    inside = (col < shape[1]) & (row >= 0) & (row < shape[0]) & (width > 1e-9)
+    return pieces if inside.all() else Pieces(*(part[..., inside] for part in pieces))
 
 
 def _cut_at_grid(start: np.ndarray, end: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Pieces of chords between the lines of the grid: chord, where on it each begins, its share of it."""
-    cuts = [np.arange(len(start), dtype=np.float64)]
-    for a, b in zip(start.T, end.T):
+    cuts = [np.arange(start.shape[1], dtype=np.float64)]
+    for a, b in zip(start, end):
         first = np.floor(np.minimum(a, b)) + 1
         count = np.maximum(np.ceil(np.maximum(a, b)) - first, 0).astype(np.int64)
         chord = np.repeat(np.arange(len(a)), count)
@@ -131,8 +130,9 @@ def colours_along(pieces: Pieces, pixels: np.ndarray, number: np.ndarray, step: 
     """
     n = len(pixels)
     row = pixels // width
-    head = np.searchsorted(row, row)
-    drop = pieces.move[:, 1]
+    fresh = np.diff(row, prepend=-1) > 0
+    head = np.flatnonzero(fresh)[np.cumsum(fresh) - 1]
+    drop = pieces.move[1]
     here = drop * (1 - pieces.inset)
     colours = np.empty((n, step.shape[1]))
     for c in range(step.shape[1]):

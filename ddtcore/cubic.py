@@ -215,14 +215,13 @@ def _between(t: np.ndarray, row: np.ndarray, column: np.ndarray) -> np.ndarray:
 
 def _fit(spans: _Spans, t: np.ndarray, rounds: int) -> Tuple[np.ndarray, np.ndarray]:
     """Handles (M, 2) and parameters of the samples, each in turn."""
-    turn, slide = np.ones((1, 1), complex), 1.0
-    for k in range(rounds):
-        if k:
-            slope = power[1] + t * (2 * power[2] + 3 * t * power[3])
-            turn, slide = slope.conj() / np.maximum(np.abs(slope), 1e-9), SLIDE
-        handles = _solve(spans, t, turn, slide)
+    handles = _solve(spans, t, np.ones((1, 1), complex), 1.0)
+    for left in range(rounds - 1, -1, -1):
         power = _powers(spans, handles)
         t = _project(power, t, spans.place)
+        if left:
+            slope = power[1] + t * (2 * power[2] + 3 * t * power[3])
+            handles = _solve(spans, t, slope.conj() / np.maximum(np.abs(slope), 1e-9), SLIDE)
     return handles, t
 
 
@@ -268,7 +267,8 @@ def _fall(power: np.ndarray, t: np.ndarray, place: np.ndarray) -> Tuple[np.ndarr
 
 
 def _clipped(value: np.ndarray, low: float, high: float) -> np.ndarray:
-    return np.maximum(np.minimum(value, high, out=value), low, out=value)
+    np.minimum(value, high, out=value)
+    return np.asarray(np.maximum(value, low, out=value))
 
 
 def _solve(spans: _Spans, t: np.ndarray, turn: np.ndarray, slide: float) -> np.ndarray:

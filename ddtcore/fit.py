@@ -75,10 +75,10 @@ def fit_arcs(image: np.ndarray, labels: Labels, planar: PlanarMap, lines: Polyli
     inner = planar.left != 0
     target = Target.of(image, step[inner], along.total[inner].sum())
     first, second = (0, 0) if options.regions == "areas" else ROUNDS if target.block == 1 else FEWER
-    wire = polish(wire_up(runs, segments, held, step), target, first)
+    wire, off = polish(wire_up(runs, segments, held, step), target, first)
     # Polished curves are free of the points' noise: what they agree on can be merged closer.
     runs, segments = simplify(wire, runs, segments, MERGE_SHARE * tolerance)
-    wire = polish(wire_up(runs, segments, held, step), target, second)
+    wire, _ = polish(wire_up(runs, segments, held, step), target.drawn_in_chords(off), second)
     starts = np.searchsorted(runs.arc[segments.run], np.arange(len(planar.tail) + 1))
     control = _kept_inside(wire.control(), np.asarray(size))
     return Curves(starts, control, np.where(wire.line, LINE, CUBIC).astype(np.uint8))

@@ -30,9 +30,9 @@ class Problem(NamedTuple):
         Rising.
     step : ndarray of shape (G, C)
         Change of the colour per area moved, weighted.
-    slope : ndarray of shape (G, 8)
+    slope : ndarray of shape (8, G)
         Area moved per unit of each of the segment's parameters.
-    index : ndarray of shape (S, 8) and dtype int64
+    index : ndarray of shape (8, S) and dtype int64
         Which those are; number 0 is none.
     residual : ndarray of shape (P, C)
         What is left to explain in each pixel, weighted.
@@ -62,19 +62,19 @@ def solve(problem: Problem) -> np.ndarray:
     """
     n = len(problem.damping)
     touched, begins = np.unique(problem.segment, return_index=True)
-    index = problem.index[touched]
-    pull = np.einsum("gc,gc->g", problem.residual[problem.pixel], problem.step)
-    rest = np.bincount(index.ravel(), np.add.reduceat(problem.slope * pull[:, None], begins, axis=0).ravel(), n)
+    index = problem.index[:, touched]
+    pull = np.einsum("gc,gc->g", problem.residual.take(problem.pixel, axis=0), problem.step)
+    rest = np.bincount(index.ravel(), np.add.reduceat(problem.slope * pull, begins, axis=1).ravel(), n)
     rest[0] = 0
     strength = np.einsum("gc,gc->g", problem.step, problem.step)
-    diagonal = np.add.reduceat(problem.slope ** 2 * strength[:, None], begins, axis=0)
+    diagonal = np.add.reduceat(problem.slope ** 2 * strength, begins, axis=1)
     diagonal = np.bincount(index.ravel(), diagonal.ravel(), n) + problem.damping
     alone = np.bincount(problem.pixel, minlength=len(problem.residual))[problem.pixel] == 1
     blocks = _blocks(problem.slope, np.where(alone, strength, 0), begins)
     shared = _shared(problem, ~alone)
 
     def normal(x: np.ndarray) -> np.ndarray:
-        own = np.einsum("sij,sj->si", blocks, x[index])
+        own = np.einsum("ijs,js->is", blocks, x[index])
         change: np.ndarray = np.bincount(index.ravel(), own.ravel(), n) + shared(x) + problem.damping * x
         change[0] = 0
         return change
@@ -83,11 +83,10 @@ def solve(problem: Problem) -> np.ndarray:
 
 
 def _blocks(slope: np.ndarray, strength: np.ndarray, begins: np.ndarray) -> np.ndarray:
-    """Normal matrices (S, 8, 8) of the pixels that each segment has alone."""
-    blocks = np.empty((len(begins), 8, 8))
+    """Normal matrices (8, 8, S) of the pixels that each segment has alone."""
+    blocks = np.empty((8, 8, len(begins)))
     for i in range(8):
-        row = np.add.reduceat(slope[:, i:] * (strength * slope[:, i])[:, None], begins, axis=0)
-        blocks[:, i, i:] = blocks[:, i:, i] = row
+        blocks[i, i:] = blocks[i:, i] = np.add.reduceat(slope[i:] * (strength * slope[i]), begins, axis=1)
     return blocks
 
 
@@ -95,13 +94,13 @@ def _shared(problem: Problem, which: np.ndarray) -> Callable[[np.ndarray], np.nd
     """The product of the normal matrix of the pixels that segments share with parameters."""
     n = len(problem.damping)
     pixels, pixel = np.unique(problem.pixel[which], return_inverse=True)
-    step, slope, index = problem.step[which], problem.slope[which], problem.index[problem.segment[which]]
+    step, slope, index = problem.step[which], problem.slope[:, which], problem.index[:, problem.segment[which]]
 
     def product(x: np.ndarray) -> np.ndarray:
-        area = np.einsum("gk,gk->g", slope, x[index])
+        area = np.einsum("kg,kg->g", slope, x[index])
         change = np.stack([np.bincount(pixel, area * part, len(pixels)) for part in step.T], axis=1)
-        pull = np.einsum("gc,gc->g", change[pixel], step)
-        return np.bincount(index.ravel(), (slope * pull[:, None]).ravel(), n)
+        pull = np.einsum("gc,gc->g", change.take(pixel, axis=0), step)
+        return np.bincount(index.ravel(), (slope * pull).ravel(), n)
 
     return product
 

@@ -17,7 +17,7 @@ from typing import NamedTuple, Tuple
 import numpy as np
 
 from . import bezier
-from .coverage import Pieces, colours_along, cut_into_pixels, touched_pixels
+from .coverage import SAGITTA, Pieces, colours_along, cut_into_pixels, touched_pixels
 from .newton import Problem, solve
 from .position import premultiplied
 
@@ -39,6 +39,13 @@ less than this share of what was left to explain."""
 
 DOUBT = 0.5
 """A pixel that is off by more than this share of its contrast counts less and less."""
+
+STRAY, FARTHEST = 3.0, 0.04
+"""How far the chords stray into which the picture's curves were cut, by how far its pixels are off; at most, px.
+
+Rasterisers draw chords, Cairo's up to 0.1 px off, and their shapes are that much too small.  Pixels that are
+averages of many samples agree much better with what the curves would give.
+"""
 
 
 class Wire(NamedTuple):
@@ -90,12 +97,15 @@ class Target(NamedTuple):
         enough at a lower resolution.
     known : ndarray of shape (P, C) and dtype float32
         Colours of all blocks that were asked for, NaN for the others.
+    sagitta : float
+        How far the chords stray that its curves were drawn as, px.
     """
 
     image: np.ndarray
     basis: np.ndarray
     block: int
     known: np.ndarray
+    sagitta: float
 
     @classmethod
     def of(cls, image: np.ndarray, steps: np.ndarray, length: float) -> "Target":
@@ -107,12 +117,16 @@ class Target(NamedTuple):
         much = MUCH / 2 if length < SPARSE * image[..., 0].size else MUCH
         block = max(int(np.ceil(np.sqrt(length / much))), 1)
         blocks = (image.shape[0] // block) * (image.shape[1] // block)
-        return cls(image, basis, block, np.full((blocks, basis.shape[1]), np.nan, np.float32))
+        return cls(image, basis, block, np.full((blocks, basis.shape[1]), np.nan, np.float32), SAGITTA)
 
     @property
     def shape(self) -> Tuple[int, int]:
         """Rows and columns of whole blocks."""
         return self.image.shape[0] // self.block, self.image.shape[1] // self.block
+
+    def drawn_in_chords(self, off: float) -> "Target":
+        """The same, for curves whose pixels are off by this share of their contrast."""
+        return self._replace(sagitta=min(max(STRAY * off, SAGITTA), FARTHEST))
 
     def colours(self, pixels: np.ndarray) -> np.ndarray:
         """Colours (P, C) of blocks by their number ``row * width + col``."""
@@ -124,7 +138,7 @@ class Target(NamedTuple):
         return np.asarray(self.known[pixels])
 
 
-def polish(wire: Wire, target: Target, rounds: int) -> Wire:
+def polish(wire: Wire, target: Target, rounds: int) -> Tuple[Wire, float]:
     """Move nodes and handles until the curves explain the pixels best.
 
     Parameters
@@ -137,21 +151,23 @@ def polish(wire: Wire, target: Target, rounds: int) -> Wire:
     Returns
     -------
     Wire
+    float
+        By which share of its contrast one pixel in two is off at least.
     """
     if not rounds:
-        return wire
+        return wire, 0.0
     step = np.einsum("sk,kc->sc", wire.step, target.basis)
     wire = _scaled(wire, 1 / target.block)
-    best, least = wire, np.inf
+    best, least, off = wire, np.inf, 0.0
     for left in range(rounds, -1, -1):
         misfit = _misfit(wire, step, target)
         gained = least - misfit.cost > min(SETTLED ** 2 * len(misfit.weight), GAIN * misfit.cost)
         if misfit.cost < least:
-            best, least = wire, misfit.cost
+            best, least, off = wire, misfit.cost, misfit.off
         if not (left and gained):
             break
         wire = _moved(wire, solve(_linearise(wire, step, misfit)))
-    return _scaled(best, target.block)
+    return _scaled(best, target.block), off
 
 
 def _scaled(wire: Wire, scale: float) -> Wire:
@@ -164,12 +180,13 @@ class _Misfit(NamedTuple):
     residual: np.ndarray     # (P, C) weighted
     weight: np.ndarray       # (P,)
     cost: float
+    off: float               # share of the contrast, the middle one
 
 
 def _misfit(wire: Wire, step: np.ndarray, target: Target) -> _Misfit:
     """How the picture differs from what the curves would give."""
     h, w = target.shape
-    pieces = cut_into_pixels(wire.control(), wire.line, (h, w))
+    pieces = cut_into_pixels(wire.control(), wire.line, (h, w), target.sagitta)
     pixels, number = touched_pixels(pieces, h * w)
     residual = target.colours(pixels) - colours_along(pieces, pixels, number, step[pieces.segment], w)
     strength, rank = np.unique(np.einsum("sc,sc->s", step, step), return_inverse=True)
@@ -182,18 +199,19 @@ def _misfit(wire: Wire, step: np.ndarray, target: Target) -> _Misfit:
     off = np.sqrt(np.einsum("pc,pc->p", residual, residual)) * scale
     weight = scale / np.sqrt(np.maximum(off / DOUBT, 1))
     cost = float(np.square(np.minimum(off, DOUBT)).sum())
-    return _Misfit(pieces, number, residual * weight[:, None], weight, cost)
+    middle = float(np.median(off)) if len(off) else 0.0
+    return _Misfit(pieces, number, residual * weight[:, None], weight, cost, middle)
 
 
 def _linearise(wire: Wire, step: np.ndarray, misfit: _Misfit) -> Problem:
     """How each parameter would change the pixels, and how far off they are."""
-    pieces, number, residual, weight, _ = misfit
+    pieces, number, residual, weight, *_, off = misfit
     # The middle one: a few pixels that are far off say nothing of the others.
-    off = np.median(np.einsum("pc,pc->p", residual, residual)) if len(residual) else 0.0
-    index, damping = _parameters(wire, max(DAMPING, off))
-    begins = np.flatnonzero(np.r_[True, (np.diff(pieces.segment) != 0) | (np.diff(pieces.pixel) != 0)])
+    index, damping = _parameters(wire, max(DAMPING, off ** 2))
+    fresh = np.r_[True, (np.diff(pieces.segment) != 0) | (np.diff(pieces.pixel) != 0)]
+    begins = np.flatnonzero(fresh)
     segment, pixel = pieces.segment[begins], number[begins]
-    slope = _slopes(wire, pieces, begins)
+    slope = _slopes(wire, pieces, np.cumsum(fresh) - 1, segment)
     return Problem(pixel, segment, step[segment] * weight[pixel, None], slope, index, residual, damping)
 
 
@@ -211,7 +229,7 @@ def _frames(wire: Wire) -> np.ndarray:
 
 
 def _parameters(wire: Wire, firmness: float) -> Tuple[np.ndarray, np.ndarray]:
-    """Numbers (S, 8) of the parameters of each segment, and the damping of all; number 0 is none.
+    """Numbers (8, S) of the parameters of each segment, and the damping of all; number 0 is none.
 
     In the order x, y of the beginning, its handle's two, x, y of the end, its handle's two.
     A smooth handle has its length and the angle of its node, a free one has x and y.
@@ -228,7 +246,7 @@ def _parameters(wire: Wire, firmness: float) -> Tuple[np.ndarray, np.ndarray]:
     smooth = wire.smooth[wire.ends] & ~wire.line[:, None]
     second = np.where(smooth, angle[wire.ends], own[..., 1])
     index = np.stack([place[wire.ends[:, 0], 0], place[wire.ends[:, 0], 1], own[:, 0, 0], second[:, 0],
-                      place[wire.ends[:, 1], 0], place[wire.ends[:, 1], 1], own[:, 1, 0], second[:, 1]], axis=1)
+                      place[wire.ends[:, 1], 0], place[wire.ends[:, 1], 1], own[:, 1, 0], second[:, 1]])
     damping = np.full(1 + 3 * n + 4 * s, firmness)
     damping[0] = 1e12
     length = np.einsum("sed,sed->se", wire.handles, wire.handles)
@@ -237,17 +255,16 @@ def _parameters(wire: Wire, firmness: float) -> Tuple[np.ndarray, np.ndarray]:
     return index, damping
 
 
-def _slopes(wire: Wire, pieces: Pieces, begins: np.ndarray) -> np.ndarray:
-    """Area (G, 8) that groups of pieces move to the left colour per unit of their segment's parameters."""
-    t, dx, dy = pieces.t, pieces.move[:, 0], pieces.move[:, 1]
+def _slopes(wire: Wire, pieces: Pieces, group: np.ndarray, segment: np.ndarray) -> np.ndarray:
+    """Area (8, G) that groups of pieces, each of a segment, move to the left colour per unit of its parameters."""
+    t, (dx, dy) = pieces.t, pieces.move
     s = 1 - t
     share = np.where(wire.line[pieces.segment], s, s * s * (1 + 2 * t))
     weights = (share, 3 * s * s * t, 1 - share, 3 * s * t * t)
-    moved = np.stack([np.add.reduceat(w * d, begins) for w in weights for d in (-dy, dx)], axis=1)
-    segment = pieces.segment[begins]
-    handles = moved.reshape(-1, 2, 4)[:, :, 2:]
-    moved.reshape(-1, 2, 4)[:, :, 2:] = np.einsum("gepd,ged->gep", _frames(wire)[segment], handles)
-    return moved
+    moved = np.stack([np.bincount(group, w * d, len(segment)) for w in weights for d in (-dy, dx)]).reshape(2, 4, -1)
+    frames = np.ascontiguousarray(_frames(wire).transpose(1, 2, 3, 0)).take(segment, axis=3)
+    moved[:, 2:] = np.einsum("epdg,edg->epg", frames, moved[:, 2:])
+    return moved.reshape(8, -1)
 
 
 def _moved(wire: Wire, x: np.ndarray) -> Wire:

@@ -130,11 +130,11 @@ def test_pieces_are_parts_of_their_segments_within_their_pixels():
     control = sides(SHAPES["star"])
     pieces = cut_into_pixels(control, np.ones(len(control), bool), (SIZE, SIZE))
     start, end = control[:, 0], control[:, 3]
-    moved = np.stack([np.bincount(pieces.segment, pieces.move[:, k]) for k in (0, 1)], axis=1)
+    moved = np.stack([np.bincount(pieces.segment, pieces.move[k]) for k in (0, 1)], axis=1)
     assert np.allclose(moved, end - start)
     middle = start[pieces.segment] + pieces.t[:, None] * (end - start)[pieces.segment]
     row, col = np.divmod(pieces.pixel, SIZE)
-    for at, cell, move in ((middle[:, 0], col, pieces.move[:, 0]), (middle[:, 1], row, pieces.move[:, 1])):
+    for at, cell, move in ((middle[:, 0], col, pieces.move[0]), (middle[:, 1], row, pieces.move[1])):
         assert (at - np.abs(move) / 2 > cell - 1e-9).all() and (at + np.abs(move) / 2 < cell + 1 + 1e-9).all()
     assert np.allclose(pieces.inset, middle[:, 0] - col)
     assert (np.diff(pieces.segment) >= 0).all()
@@ -143,9 +143,9 @@ def test_pieces_are_parts_of_their_segments_within_their_pixels():
 def test_pieces_of_any_curve_stay_within_their_columns():
     control = np.random.RandomState(5).uniform(2, SIZE - 2, (200, 4, 2))
     pieces = cut_into_pixels(control, np.zeros(200, bool), (SIZE, SIZE))
-    reach = np.abs(pieces.move[:, 0]) / 2
+    reach = np.abs(pieces.move[0]) / 2
     assert (pieces.inset - reach > -1e-9).all() and (pieces.inset + reach < 1 + 1e-9).all()
-    moved = np.stack([np.bincount(pieces.segment, pieces.move[:, k]) for k in (0, 1)], axis=1)
+    moved = np.stack([np.bincount(pieces.segment, pieces.move[k]) for k in (0, 1)], axis=1)
     assert np.allclose(moved, control[:, 3] - control[:, 0])
 
 

@@ -9,8 +9,9 @@ from pictures import away, coverage, disc, rectangle, star
 
 import ddtcore.polish
 from ddtcore import bezier
+from ddtcore.coverage import SAGITTA
 from ddtcore.newton import solve
-from ddtcore.polish import Target, Wire, polish
+from ddtcore.polish import FARTHEST, STRAY, Target, Wire, polish
 
 CENTRE = np.array([20.3, 19.6])
 INK = np.array([250.0, 200.0, 90.0, 255.0])
@@ -24,7 +25,7 @@ def pixels(share) -> np.ndarray:
 
 
 def polished(wire, image, rounds):
-    return polish(wire, Target.of(image, wire.step, 0), rounds)
+    return polish(wire, Target.of(image, wire.step, 0), rounds)[0]
 
 
 def loop(nodes, handles, smooth, line) -> Wire:
@@ -47,9 +48,9 @@ def polygon(points) -> Wire:
     return loop(points, np.zeros((len(points), 2, 2)), False, True)
 
 
-def outline(wire, count=60):
+def outline(wire, count=60, begin=0.5):
     """Points along the wire."""
-    t = np.tile((np.arange(count) + 0.5) / count, len(wire.ends))
+    t = np.tile((np.arange(count) + begin) / count, len(wire.ends))
     return bezier.evaluate(wire.control(), np.repeat(np.arange(len(wire.ends)), count), t)
 
 
@@ -81,6 +82,33 @@ def test_circles_are_found_again(seed):
     assert rms(np.hypot(*(outline(rough) - CENTRE).T) - 13.4) > 0.1
     assert rms(error) < 0.02
     assert abs(error.mean()) < 0.005
+
+
+@pytest.mark.parametrize("radius", [8.2, 13.4, 17.5])
+def test_a_circle_drawn_in_chords_comes_out_as_it_was(radius):
+    """Rasterisers draw polygons in place of curves, which are smaller: told so, curves explain them at full size."""
+    centre, sagitta = (22.3, 21.6), 0.04
+    bend = np.hypot(*np.diff(circle(centre, radius).control()[0], 2, 0).T).max()
+    count = int(np.ceil(np.sqrt(0.75 / sagitta * bend)))
+    image = pixels(coverage(outline(circle(centre, radius), count, 0), 44, 44))
+    wire = disturbed(circle(centre, radius), 2, 0.2)
+    target = Target.of(image, wire.step, 0)
+    exact, chords = (polish(wire, aim, 8)[0] for aim in (target, target._replace(sagitta=sagitta)))
+    smaller, same = (np.hypot(*(outline(found) - centre).T).mean() - radius for found in (exact, chords))
+    assert smaller < -0.01
+    assert abs(same) < 0.005
+
+
+def test_how_far_chords_stray_is_told_by_how_well_pixels_are_explained():
+    target = Target.of(pixels(coverage(disc(CENTRE, 13.4), 40, 40)), np.array([INK]), 0)
+    strays = [target.drawn_in_chords(off).sagitta for off in (0, 0.004, 0.008, 0.012, 0.5)]
+    assert strays[0] == target.sagitta == SAGITTA
+    assert np.allclose(strays[1:], [STRAY * 0.004, STRAY * 0.008, STRAY * 0.012, FARTHEST])
+    wire = circle(CENTRE, 13.4)
+    assert polish(wire, target, 8)[1] < 0.003
+    noise = np.random.RandomState(0).normal(0, 0.03, (40, 40))
+    noisy = pixels(np.clip(coverage(disc(CENTRE, 13.4), 40, 40) + noise, 0, 1))
+    assert 0.01 < polish(wire, Target.of(noisy, wire.step, 0), 8)[1] < 0.04
 
 
 @pytest.mark.parametrize("degrees", [0, 10, 33, 45])
