@@ -26,7 +26,7 @@ class Arclength:
         index = np.arange(starts[-1]) - np.repeat(starts[:-1] - lines.starts[:-1], count + ring)
         closing = starts[1:][ring] - 1
         index[closing] = lines.starts[:-1][ring]
-        points = lines.points[index]
+        points = lines.points.take(index, axis=0)
         piece = np.zeros(len(points))
         piece[1:] = np.hypot(*np.diff(points, axis=0).T)
         # A gap between arcs keeps the whole table rising.

@@ -63,7 +63,9 @@ def place(image: np.ndarray, labels: Labels, mesh: Mesh, planar: PlanarMap,
 def premultiplied(rgba: np.ndarray) -> np.ndarray:
     """Colours (..., 4) with RGB multiplied by alpha, float32, 0 to 255."""
     colours = np.array(rgba, np.float32)
-    colours[..., :3] *= colours[..., 3:] / np.float32(255)
+    alpha = colours[..., 3:]
+    if (alpha != 255).any():
+        colours[..., :3] *= alpha / np.float32(255)
     return colours
 
 
@@ -91,7 +93,7 @@ def _by_coverage(image: np.ndarray, labels: Labels, mesh: Mesh,
                  planar: PlanarMap) -> Tuple[np.ndarray, ...]:
     arc = np.repeat(np.arange(len(planar.tail)), np.diff(planar.starts))
     colours = premultiplied(labels.palette[planar.face_labels])
-    left, right = colours[planar.left][arc], colours[planar.right][arc]
+    left, right = (colours.take(side[arc], axis=0) for side in (planar.left, planar.right))
     edge = _crossed_edges(mesh, planar)
     shares = [_share(_pixels(image, edge[:, k]), left, right) for k in (0, 1)]
     raw = _half_way(edge, shares, planar.left[arc] == 0)
@@ -100,10 +102,10 @@ def _by_coverage(image: np.ndarray, labels: Labels, mesh: Mesh,
     stairs = find_staircases(planar, arc, edge, shares, contrast, ends)
     hard, dot, hard_points, hard_arc = stairs.hard, stairs.dot, stairs.points, stairs.arc
     inner = np.flatnonzero((planar.left[arc] != 0) & ~hard[arc])
-    tangent = _tangents(planar, arc, raw)[inner]
-    first = _first_in_column(planar.rings, arc[inner], raw[inner], tangent)
-    inner, tangent = inner[first], tangent[first]
-    crossed, one, other = raw[inner], left[inner], right[inner]
+    tangent = _tangents(planar, arc, raw).take(inner, axis=0)
+    first = np.flatnonzero(_first_in_column(planar.rings, arc[inner], raw.take(inner, axis=0), tangent))
+    inner, tangent = inner[first], tangent.take(first, axis=0)
+    crossed, one, other = (part.take(inner, axis=0) for part in (raw, left, right))
     position, sure = in_parts(
         lambda part: _column_sums(image, crossed[part], tangent[part], one[part], other[part]), len(inner))
     soft = _beside_ramps(labels, planar)[arc[inner]]
@@ -213,7 +215,7 @@ def _tangents(planar: PlanarMap, arc: np.ndarray, raw: np.ndarray) -> np.ndarray
     offset = index - first
     after = np.where(ring, (offset + 2) % length, np.minimum(offset + 2, length - 1))
     before = np.where(ring, (offset - 2) % length, np.maximum(offset - 2, 0))
-    return np.asarray(raw[first + after] - raw[first + before])
+    return np.asarray(raw.take(first + after, axis=0) - raw.take(first + before, axis=0))
 
 
 def _column_sums(image: np.ndarray, raw: np.ndarray, tangent: np.ndarray, left: np.ndarray,
@@ -246,8 +248,10 @@ def _column_sums(image: np.ndarray, raw: np.ndarray, tangent: np.ndarray, left: 
     share = np.einsum("nkc,nc->nk", colour, span)
     share /= np.maximum(np.einsum("nc,nc->n", span, span), 1)[:, None]
     total, sure, between = _sum_between_flats(share)
-    item, place = np.nonzero(between)
-    off = np.abs(colour[item, place] - np.clip(share[item, place], 0, 1)[:, None] * span[item]).max(axis=1)
+    mixed = np.flatnonzero(between)
+    item = mixed // len(reach)
+    pure = np.clip(share.take(mixed), 0, 1)[:, None] * span.take(item, axis=0)
+    off = np.abs(colour.reshape(-1, 4).take(mixed, axis=0) - pure).max(axis=1)
     sure[item[off >= PURE]] = False
     along = np.where(step > 0, across + total, across + 1 - total)
     position = cell + 0.5
@@ -268,7 +272,7 @@ def _sum_between_flats(share: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.nd
     end = np.argmax(low, axis=1)
     between = (index > begin[:, None]) & (index < end[:, None])
     total = np.where(between, share, 0).sum(axis=1) + begin - REACH + 1
-    falling = np.where(between[:, 1:] & between[:, :-1], np.diff(share, axis=1), -1).max(axis=1) < 0.02
+    falling = ((np.diff(share, axis=1) < 0.02) | ~(between[:, 1:] & between[:, :-1])).all(axis=1)
     return total, high.any(axis=1) & low.any(axis=1) & (end >= begin) & falling, between
 
 
@@ -288,7 +292,7 @@ def _assemble(mesh: Mesh, planar: PlanarMap, arc: np.ndarray, points: np.ndarray
     arc, place, points, weight = (np.concatenate(part) for part in zip(*pieces))
     order = np.lexsort((place, arc))
     starts = np.searchsorted(arc[order], np.arange(len(planar.tail) + 1))
-    return Polylines(starts, points[order], weight[order], slack, angular)
+    return Polylines(starts, points.take(order, axis=0), weight[order], slack, angular)
 
 
 def _frame_corners(mesh: Mesh, planar: PlanarMap, arc: int, ends: np.ndarray) -> np.ndarray:

@@ -79,7 +79,7 @@ def cut_at_knots(planar: PlanarMap, lines: Polylines, along: Arclength, corners:
     last = np.maximum(np.searchsorted(keys, arc * _FAR + end - gap), first)
     low = np.where(smooth, heads[arc], first)
     high = np.where(smooth, heads[arc + 1], last)
-    runs = Runs(lines.points[index], lines.weight[index], low, high, first, last, knots, arc, smooth, places)
+    runs = Runs(lines.points.take(index, axis=0), lines.weight[index], low, high, first, last, knots, arc, smooth, places)
     return runs._replace(places=_place_junctions(runs, len(planar.junctions), size))
 
 
@@ -163,7 +163,7 @@ def end_lines(runs: Runs) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def _one_side(runs: Runs, index: np.ndarray, valid: np.ndarray, knot: np.ndarray,
               other: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
-    points = runs.points[index]
+    points = runs.points.take(index, axis=0)
     weight = np.where(valid, runs.weight[index], 0)
     count = valid.sum(axis=1)
     piece = np.hypot(*np.moveaxis(np.diff(points, axis=1), 2, 0))
