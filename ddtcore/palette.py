@@ -14,6 +14,7 @@ from typing import Tuple
 import numpy as np
 
 from .canvas import RIM, Canvas, count_keys, planes, summed_keys
+from .loops import ranges
 from .mixes import segment_distance
 from .parts import in_parts
 from .sides import window
@@ -118,8 +119,15 @@ def _sound_blocks(canvas: Canvas, block: np.ndarray, weak: np.ndarray) -> np.nda
     key, down = canvas.keys, canvas.stride
 
     def weak_ones(rows: slice) -> Tuple[np.ndarray]:
-        cells = canvas.cells(block[rows], rows.start)
-        return (cells[_has_one(key[cells], weak)],)
+        here = canvas.bare(key)[rows, :block.shape[1]]
+        heads = np.ones(here.shape, bool)
+        np.not_equal(here[:, 1:], here[:, :-1], out=heads[:, 1:])
+        begin, colour = np.flatnonzero(heads), here[heads]
+        count = np.diff(np.append(begin, here.size))
+        some = np.flatnonzero(weak.take(np.searchsorted(weak, colour), mode="clip") == colour)
+        found = ranges(begin[some], count[some])
+        row, col = np.divmod(found[block[rows].ravel()[found]].astype(np.int32), np.int32(here.shape[1]))
+        return (canvas.numbers(row + np.int32(rows.start), col),)
 
     at, = in_parts(weak_ones, len(block), size=canvas.stride)
     sound = np.ones(at.size, bool)
@@ -128,14 +136,6 @@ def _sound_blocks(canvas: Canvas, block: np.ndarray, weak: np.ndarray) -> np.nda
         sound &= ~((side == key[at + 2 * across]) & (side == key[at - across + along])
                    & (side == key[at + 2 * across + along]))
     return np.asarray(key[at[sound]])
-
-
-def _has_one(here: np.ndarray, keys: np.ndarray) -> np.ndarray:
-    """Which pixels, row by row, have one of the colours `keys` (rising)."""
-    # Most pixels of plateaus equal the one before them.
-    heads = np.flatnonzero(np.append(True, here[1:] != here[:-1])[:here.size])
-    place = np.minimum(np.searchsorted(keys, here[heads]), keys.size - 1)
-    return np.repeat(keys[place] == here[heads], np.diff(np.append(heads, here.size)))
 
 
 def plain_colours(canvas: Canvas) -> np.ndarray:
