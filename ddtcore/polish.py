@@ -20,6 +20,7 @@ from . import bezier
 from .coverage import SAGITTA, Pieces, colours_along, cut_into_pixels, touched_pixels
 from .newton import Problem, solve
 from .position import premultiplied
+from .raster import pixels_at
 
 MUCH = 30000.0
 """Length of all outlines, px, up to which every pixel is explained; four times as much, blocks of 2 by 2."""
@@ -131,11 +132,13 @@ class Target(NamedTuple):
     def colours(self, pixels: np.ndarray) -> np.ndarray:
         """Colours (P, C) of blocks by their number ``row * width + col``."""
         new = pixels[np.isnan(self.known[pixels, 0])]
-        row, col = (self.block * place for place in np.divmod(new, max(self.shape[1], 1)))
-        across = range(self.block)
-        mean = sum(premultiplied(self.image[row + y, col + x]) for y in across for x in across) / self.block ** 2
+        row, col = np.divmod(new, max(self.shape[1], 1))
+        width, across = self.image.shape[1], range(self.block)
+        corner = self.block * (row * width + col)
+        each = (pixels_at(self.image, corner + y * width + x) for y in across for x in across)
+        mean = sum(map(premultiplied, each)) / self.block ** 2
         self.known[new] = np.einsum("pk,kc->pc", mean, self.basis)
-        return np.asarray(self.known[pixels])
+        return np.asarray(self.known.take(pixels, axis=0))
 
 
 def polish(wire: Wire, target: Target, rounds: int) -> Tuple[Wire, float]:

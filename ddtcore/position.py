@@ -20,7 +20,7 @@ from .border import barycentres
 from .model import Labels, Mesh, PlanarMap, Polylines
 from .options import TraceOptions
 from .parts import in_parts
-from .raster import pixel_keys
+from .raster import pixels_at
 from .staircase import SLACK, find_staircases
 
 REACH = 4
@@ -178,13 +178,7 @@ def _pixels(image: np.ndarray, points: np.ndarray) -> np.ndarray:
     h, w = image.shape[:2]
     col = np.clip(np.floor(points[..., 0]), 0, w - 1).astype(np.int64)
     row = np.clip(np.floor(points[..., 1]), 0, h - 1).astype(np.int64)
-    return premultiplied(_at(image, row * w + col))
-
-
-def _at(image: np.ndarray, pixels: np.ndarray) -> np.ndarray:
-    """Pixels (..., 4) of a picture, numbered row by row."""
-    keys = pixel_keys(image).ravel()[pixels]
-    return np.asarray(keys[..., np.newaxis].view(np.uint8))
+    return premultiplied(pixels_at(image, row * w + col))
 
 
 def _share(colour: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
@@ -242,7 +236,7 @@ def _column_sums(image: np.ndarray, raw: np.ndarray, tangent: np.ndarray, left: 
     reach = np.arange(-REACH, REACH + 1)
     inside = np.clip(across[:, None] + reach * step[:, None], 0, room[:, None]) - across[:, None]
     flat = (cell[:, 1] * w + cell[:, 0])[:, None] + inside * np.abs(stride)[:, None]
-    colour = premultiplied(_at(image, flat))
+    colour = premultiplied(pixels_at(image, flat))
     colour -= right[:, None]
     span = left - right
     share = np.einsum("nkc,nc->nk", colour, span)

@@ -141,6 +141,11 @@ def pixel_keys(image: np.ndarray) -> np.ndarray:
     return np.asarray(np.ascontiguousarray(image).view(np.uint32)[..., 0])
 
 
+def pixels_at(image: np.ndarray, numbers: np.ndarray) -> np.ndarray:
+    """Pixels (..., 4) of a uint8 picture (H, W, 4), numbered row by row."""
+    return np.asarray(pixel_keys(image).ravel().take(numbers)[..., np.newaxis].view(np.uint8))
+
+
 def is_opaque(image: np.ndarray) -> bool:
     """Whether all pixels of a uint8 picture (H, W, 4) have alpha 255."""
     return bool(np.bitwise_and.reduce(pixel_keys(image).ravel())[np.newaxis].view(np.uint8)[3] == 255)

@@ -79,7 +79,8 @@ def cut_at_knots(planar: PlanarMap, lines: Polylines, along: Arclength, corners:
     last = np.maximum(np.searchsorted(keys, arc * _FAR + end - gap), first)
     low = np.where(smooth, heads[arc], first)
     high = np.where(smooth, heads[arc + 1], last)
-    runs = Runs(lines.points.take(index, axis=0), lines.weight[index], low, high, first, last, knots, arc, smooth, places)
+    points, weight = lines.points.take(index, axis=0), lines.weight[index]
+    runs = Runs(points, weight, low, high, first, last, knots, arc, smooth, places)
     return runs._replace(places=_place_junctions(runs, len(planar.junctions), size))
 
 
