@@ -99,6 +99,16 @@ def test_areas_with_the_strongest_slopes_are_marked():
     assert marked.ramp.tolist() == [False, False, False, True]
 
 
+def test_of_large_pictures_some_pixels_tell_the_same():
+    """Stripes of a picture that is larger than is looked at: flat, sloping by too little, sloping by enough."""
+    row, col = np.mgrid[:1000, :800]
+    index = (row // 250).astype(np.int32)
+    slope = np.choose(index, [0, 0.0005, 0.02, 0.1])
+    labels = Labels(index, np.full((4, 4), 255.0), np.zeros(index.shape, bool))
+    marked = mark_slopes(prepare(picture(90 + slope * col, row >= 0)), labels)
+    assert marked.ramp.tolist() == [False, False, True, True]
+
+
 def test_few_areas_are_marked():
     index = (Y.astype(int) // 6 * 10 + X.astype(int) // 6).astype(np.int32)
     labels = Labels(index, np.full((100, 4), 255.0), np.zeros(index.shape, bool))
