@@ -123,9 +123,9 @@ def _look(gates: _Gates, following: np.ndarray, end: np.ndarray, candidates: np.
     return sight
 
 
-def _look_through(gates: _Gates, following: np.ndarray, end: np.ndarray, candidates: np.ndarray, most: int) -> _Sight:
+def _look_through(gates: _Gates, following: np.ndarray, end: np.ndarray, candidates: np.ndarray, doors: int) -> _Sight:
     """The same, through so many doors at most."""
-    index = following[:, None] + np.arange(min(most, int((end - following).max())))
+    index = following[:, None] + np.arange(min(doors, int((end - following).max())))
     inside = index < end[:, None]
     index = np.minimum(index, end[:, None] - 1)
     # Turn each view so that the border runs to the right; outwards is up, and y points down.

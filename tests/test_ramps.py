@@ -17,7 +17,7 @@ Y, X = np.mgrid[:SIZE, :SIZE] + 0.5
 
 def picture(value, inside):
     """A picture of a level at each pixel inside a mask, on white."""
-    image = np.full((SIZE, SIZE, 4), 255, np.uint8)
+    image = np.full((*np.shape(inside), 4), 255, np.uint8)
     level = np.rint(np.clip(value, 0, 255)).astype(np.uint8)
     image[..., :3] = np.where(inside, level, 255)[..., None]
     return image
