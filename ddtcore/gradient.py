@@ -57,13 +57,13 @@ class Wanted(NamedTuple):
         Colours well inside the region.
     reach : ndarray of shape (m, 2)
         Points up to which the gradient must go on.
-    straight : bool
-        Whether only linear gradients are considered.
+    kinds : int
+        1 if only linear gradients are considered, 2 if circular ones are, too, or all 3.
     """
 
     samples: Samples
     reach: np.ndarray
-    straight: bool = False
+    kinds: int = 3
 
 
 def fit_gradients(regions: Iterable[Wanted]) -> List[Optional[Gradient]]:
@@ -97,7 +97,7 @@ class _Region(NamedTuple):
     reach: np.ndarray    # (m, 2) up to where the gradient must go on, likewise
     unit: Unit
     known: Tuple[Parallels, Parallels]
-    straight: bool
+    kinds: int           # as wanted
     least: float         # what the mean colour costs
     exact: float         # what need not be lowered
 
@@ -118,7 +118,7 @@ class _Region(NamedTuple):
         slope = slopes(samples, max(_SQUARE, np.sqrt(len(samples.points)) / 8))
         known = parallels(slope._replace(points=unit.local(slope.points)))
         local, coarse = (some._replace(points=unit.local(some.points)) for some in (cells, _averaged(cells, _COARSE)))
-        return cls(cells, local, coarse, unit.local(wanted.reach), unit, known, wanted.straight, least, exact)
+        return cls(cells, local, coarse, unit.local(wanted.reach), unit, known, wanted.kinds, least, exact)
 
 
 class _Candidate(NamedTuple):
@@ -151,8 +151,7 @@ def _candidates(regions: Sequence[_Region]) -> List[List[_Candidate]]:
     found: List[List[_Candidate]] = [[] for _ in regions]
     left = np.arange(len(regions))
     for kind, (name, elliptic) in enumerate(_KINDS):
-        if kind:
-            left = left[[not regions[k].straight for k in left.tolist()]]
+        left = left[[regions[k].kinds > kind for k in left.tolist()]]
         if not left.size:
             break
         some = [regions[k] for k in left.tolist()]

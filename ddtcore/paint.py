@@ -19,6 +19,9 @@ from .tint import beneath, cheaper, tinted
 _FEW = 16
 """Regions with fewer pixels off their border may have straight gradients only."""
 
+_KINDS, _KINDS_OF_PHOTOS = 3, 2
+"""Kinds of gradients that larger ones may have; what slopes in a photograph is no ellipse."""
+
 _LEAST = 4
 """Regions with fewer pixels that stand out are judged by all their pixels."""
 
@@ -80,8 +83,9 @@ def find_gradients(image: np.ndarray, labels: Labels) -> Labels:
         return Samples(pixels.points[chosen], colour[chosen, :3 if opaque else 4], count)
 
     known = gradients.copy()
+    most = _KINDS_OF_PHOTOS if labels.gradients is None else _KINDS
     found = fit_gradients(Wanted(samples_of(part), pixels.points[part],
-                                 int(np.count_nonzero(pixels.inside[part])) < _FEW) for _, part in groups)
+                                 1 if np.count_nonzero(pixels.inside[part]) < _FEW else most) for _, part in groups)
     for (label, part), own in zip(groups, found):
         base = beneath(labels.index, pixels.cells[part], known)
         if own is not None and base is not None:

@@ -76,9 +76,9 @@ def test_gradients_go_on_beyond_the_samples(gradient):
 def test_regions_do_not_matter_to_each_other():
     points = region()
     noise = np.random.RandomState(3).randint(-2, 3, (len(points), 3))
-    regions = [Wanted(some, points, straight) for some in
+    regions = [Wanted(some, points, kinds) for some in
                (painted(gradient, points)._replace(colour=colours_at(gradient, points)[:, :3] + noise)
-                for gradient in GRADIENTS) for straight in (False, True)]
+                for gradient in GRADIENTS) for kinds in (3, 1)]
     regions[4:4] = [Wanted(regions[0].samples._replace(colour=0 * noise), points)]
     found = fit_gradients(regions)
     assert found[4] is None and found == [fit_gradients([one])[0] for one in regions]
