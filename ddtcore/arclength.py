@@ -43,7 +43,13 @@ class Arclength:
 
     def at(self, arc: np.ndarray, length: np.ndarray) -> np.ndarray:
         """Points at a distance from the beginning of arcs; rings wrap, open arcs end."""
+        return self.places(arc, length).view(np.float64).reshape(-1, 2)
+
+    def places(self, arc: np.ndarray, length: np.ndarray) -> np.ndarray:
+        """The same points as complex numbers."""
         total = self.total[arc]
-        inside = np.where(self._ring[arc], np.mod(length, np.maximum(total, 1e-9)), np.clip(length, 0, total))
-        query = self._base[arc] + inside
-        return np.asarray(np.interp(query, self._table, self._places)).view(np.float64).reshape(-1, 2)
+        query = np.minimum(np.maximum(length, 0), total)
+        beyond = np.flatnonzero(((length < 0) | (length >= total)) & self._ring[arc])
+        query[beyond] = np.mod(length[beyond], np.maximum(total[beyond], 1e-9))
+        query += self._base[arc]
+        return np.asarray(np.interp(query, self._table, self._places))

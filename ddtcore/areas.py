@@ -18,6 +18,7 @@ from .canvas import Canvas, mean_colours, planes, premultiply
 from .components import components, label_components
 from .merging import drop_unused
 from .model import Labels
+from .sorting import sorted_with_order
 
 EVEN = 10.0
 """Largest range of a channel in a square that is taken as one from the start, levels."""
@@ -141,9 +142,7 @@ def _borders(index: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
 def _united(a: np.ndarray, b: np.ndarray, length: np.ndarray,
             count: int) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
     """One border for all that lie between the same two areas."""
-    key = np.minimum(a, b) * count + np.maximum(a, b)
-    order = np.argsort(key, kind="stable")
-    key = key[order]
+    key, order = sorted_with_order(np.minimum(a, b) * count + np.maximum(a, b), count * count)
     first = np.flatnonzero(np.append(True, key[1:] != key[:-1])[:len(key)])
     sums = np.add.reduceat(length[order], first) if len(first) else length
     one, other = np.divmod(key[first], count)
@@ -169,7 +168,9 @@ def _cheapest(areas: _Areas, most: int) -> np.ndarray:
     # The cheapest borders of areas are among the cheapest of all.
     first = min(_AMONG * most, cost.size - 1)
     some = np.flatnonzero(cost <= np.partition(cost, first)[first])
-    order = some[np.argsort(-cost[some], kind="stable")]
+    # Costs are not negative: as whole numbers their bits have the same order.
+    highest = np.iinfo(np.int32).max
+    order = some[sorted_with_order(highest - cost[some].view(np.int32), highest + 1)[1]]
     rank = np.arange(order.size)
     best = np.full((2, len(areas.size)), -1)
     # The last one written, the cheapest, is what stays.

@@ -64,7 +64,7 @@ def find_corners(planar: PlanarMap, lines: Polylines, along: Arclength, corner_a
     """
     arc, length = _samples(along, np.flatnonzero((planar.left != 0) & ~lines.corners()))
     ring = planar.rings
-    coarse, bent = _bends(along.at(arc, length), arc, ring)
+    coarse, bent = _bends(along.places(arc, length), arc, ring)
     fine = np.zeros(len(arc))
     coarse[bent] = _turn(along, arc[bent], length[bent], skip=1.3, arm=4.0)
     fine[bent] = _turn(along, arc[bent], length[bent], skip=0.4, arm=1.2, curved=False)
@@ -123,11 +123,16 @@ def _bends(points: np.ndarray, arc: np.ndarray, ring: np.ndarray) -> Tuple[np.nd
     """A rough turn at each sample, and the samples near which it is large: there may be corners."""
     head, count, closed = _heads(arc), np.bincount(arc)[arc], ring[arc]
     offset = np.arange(len(arc)) - head
-    place = points[:, 0] + 1j * points[:, 1]
+
+    def beside(step: int) -> np.ndarray:
+        there = offset + step
+        out = np.flatnonzero((there < 0) | (there >= count))
+        there[out] = np.where(closed[out], there[out] % count[out], np.clip(there[out], 0, count[out] - 1))
+        there += head
+        return np.asarray(points[there])
 
     def turn(k: int) -> np.ndarray:
-        before, after = (np.where(closed, (offset + d) % count, np.clip(offset + d, 0, count - 1)) for d in (-k, k))
-        return np.asarray((place[head + after] - place) * (place - place[head + before]).conj())
+        return np.asarray((beside(k) - points) * (points - beside(-k)).conj())
 
     rough, close = np.abs(np.angle(turn(6))), turn(2)
     bent = (rough > 0.2) | (np.abs(close.imag) > np.tan(0.4) * close.real)
@@ -141,21 +146,22 @@ def _bends(points: np.ndarray, arc: np.ndarray, ring: np.ndarray) -> Tuple[np.nd
 def _turn(along: Arclength, arc: np.ndarray, length: np.ndarray, skip: float, arm: float,
           curved: bool = True) -> np.ndarray:
     """Turn between two chords beside each sample, less what the sides' own curvature explains."""
-    def direction(a: float, b: float) -> np.ndarray:
-        d = along.at(arc, length + b) - along.at(arc, length + a)
-        return np.asarray(np.arctan2(d[:, 1], d[:, 0]))
+    mid, end = skip + arm / 2, skip + arm
+    steps = (-end, -mid, -skip, skip, mid, end) if curved else (-end, -skip, skip, end)
+    place = {step: along.places(arc, length + step) for step in steps}
 
-    turn = _wrap(direction(skip, skip + arm) - direction(-skip - arm, -skip))
+    def chord(a: float, b: float) -> np.ndarray:
+        step = place[b] - place[a]
+        # Beyond the end of an arc there is no way to go: any is as good.
+        step[step == 0] = 1
+        return np.asarray(step)
+
+    turn = np.angle(chord(skip, end) * chord(-end, -skip).conj())
     if curved:
-        mid = skip + arm / 2
-        before = _wrap(direction(-mid, -skip) - direction(-skip - arm, -mid))
-        after = _wrap(direction(mid, skip + arm) - direction(skip, mid))
+        before = np.angle(chord(-mid, -skip) * chord(-end, -mid).conj())
+        after = np.angle(chord(mid, end) * chord(skip, mid).conj())
         turn -= 0.8 * (before + after) / 2 * (2 * skip + arm) / (arm / 2)
     return np.asarray(np.abs(turn))
-
-
-def _wrap(angle: np.ndarray) -> np.ndarray:
-    return (angle + np.pi) % (2 * np.pi) - np.pi
 
 
 def _peaks(turn: np.ndarray, arc: np.ndarray, least: float, reach: int) -> np.ndarray:
@@ -201,24 +207,30 @@ def _meet(along: Arclength, ring: np.ndarray, arc: np.ndarray, length: np.ndarra
     after = _side(along, arc, length, 1, room_after)
     a, b = np.zeros(len(arc)), np.zeros(len(arc))
     for _ in range(4):
-        pa, da = _parabola(before, a)
-        pb, db = _parabola(after, b)
-        gap = pb - pa
-        cross = da[:, 1] * db[:, 0] - da[:, 0] * db[:, 1]
+        (pa, da), (pb, db) = _parabola(before, a), _parabola(after, b)
+        gap, cross = pb - pa, _cross(da, db)
         cross = np.where(np.abs(cross) < 0.05, 0.05, cross)
-        a = np.clip(a + (gap[:, 1] * db[:, 0] - gap[:, 0] * db[:, 1]) / cross, -2.5, 1.0)
-        b = np.clip(b + (gap[:, 1] * da[:, 0] - gap[:, 0] * da[:, 1]) / cross, -2.5, 1.0)
+        a = np.clip(a + _cross(gap, db) / cross, -2.5, 1.0)
+        b = np.clip(b + _cross(gap, da) / cross, -2.5, 1.0)
     (pa, da), (pb, db) = _parabola(before, a), _parabola(after, b)
-    point = (pa + pb) / 2
-    turn = np.abs(_wrap(np.arctan2(db[:, 1], db[:, 0]) - np.arctan2(-da[:, 1], -da[:, 0])))
+    point, turn = (pa + pb) / 2, np.abs(np.angle(-db * da.conj()))
     near = np.linspace(-3, 3, 25)
-    path = along.at(np.repeat(arc, 25), (length[:, None] + near).ravel()).reshape(-1, 25, 2)
-    distance = np.hypot(*np.moveaxis(path - point[:, None], 2, 0))
-    corners = Corners(arc, length + near[np.argmin(distance, axis=1)], point)
-    clear = np.full(len(arc), 1.3)
-    sides = [_parabola(side, clear) for side in (before, after)]
-    toward = np.stack([-d / np.maximum(np.hypot(*d.T), 1e-9)[:, None] for _, d in sides], axis=1)
-    return _Meeting(corners, turn, distance.min(axis=1), np.stack([p for p, _ in sides], axis=1), toward, path, near)
+    path = along.places(np.repeat(arc, 25), (length[:, None] + near).ravel()).reshape(-1, 25)
+    distance = np.abs(path - point[:, None])
+    corners = Corners(arc, length + near[np.argmin(distance, axis=1)], _pairs(point))
+    sides = [_parabola(side, np.full(len(arc), 1.3)) for side in (before, after)]
+    toward = np.stack([-d / np.maximum(np.abs(d), 1e-9) for _, d in sides], axis=1)
+    side = np.stack([p for p, _ in sides], axis=1)
+    return _Meeting(corners, turn, distance.min(axis=1), _pairs(side), _pairs(toward), _pairs(path), near)
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return np.asarray(a.imag * b.real - a.real * b.imag)
+
+
+def _pairs(places: np.ndarray) -> np.ndarray:
+    """Points (..., 2) from complex numbers (...)."""
+    return np.ascontiguousarray(places)[..., np.newaxis].view(np.float64)
 
 
 def _caps(meeting: _Meeting, back: np.ndarray, sharp: np.ndarray) -> List[Corners]:
@@ -260,18 +272,23 @@ def _room(along: Arclength, ring: np.ndarray, arc: np.ndarray,
 
 def _side(along: Arclength, arc: np.ndarray, length: np.ndarray, sign: int,
           room: np.ndarray) -> np.ndarray:
-    """Coefficients (C, 3, 2) of a parabola through one side, by distance from the corner."""
+    """Coefficients (3, C) of a parabola through one side, by distance from the corner."""
     begin = np.minimum(1.3, 0.3 * room)
-    end = np.clip(room - 0.7, begin + 0.6, 5.3)
-    u = begin[:, None] + (end - begin)[:, None] * np.linspace(0, 1, 9)
-    points = along.at(np.repeat(arc, 9), (length[:, None] + sign * u).ravel()).reshape(-1, 9, 2)
-    design = np.stack([np.ones_like(u), u, u * u], axis=-1)
-    normal = np.einsum("cki,ckj->cij", design, design)
-    normal[:, 2, 2] += 0.3 * 9
-    return np.linalg.solve(normal, np.einsum("cki,ckd->cid", design, points))
+    wide = np.clip(room - 0.7, begin + 0.6, 5.3) - begin
+    # From the middle of the side, in its length, all samples are at the same distances, on both sides of it.
+    share = np.linspace(-0.5, 0.5, 9)
+    middle = begin + wide / 2
+    at = length[:, None] + sign * (middle[:, None] + wide[:, None] * share)
+    points = along.places(np.repeat(arc, 9), at.ravel()).reshape(-1, 9)
+    total, along_it, squares = points.dot(np.stack([np.ones(9), share, share**2], axis=1).astype(complex)).T
+    square = (share**2).sum() * wide**2
+    # Of the three equations only the first and the last have a term in common.
+    bend = (wide**2 * squares - square * total / 9) / ((share**4).sum() * wide**4 + 0.3 * 9 - square**2 / 9)
+    slope = wide * along_it / square
+    start = (total - square * bend) / 9
+    return np.stack([start - middle * (slope - middle * bend), slope - 2 * middle * bend, bend])
 
 
 def _parabola(side: np.ndarray, u: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """Points and derivatives of parabolas at distances `u`."""
-    u = u[:, None]
-    return side[:, 0] + u * (side[:, 1] + u * side[:, 2]), side[:, 1] + 2 * u * side[:, 2]
+    return side[0] + u * (side[1] + u * side[2]), side[1] + 2 * u * side[2]

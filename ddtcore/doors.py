@@ -129,10 +129,19 @@ def _directions(hidden: Hidden) -> np.ndarray:
     In a notch of the shape that is narrower than the smoothing, all doors come to point out of it.
     """
     before, after = hidden.neighbours()
-    smooth = normal = _normals(hidden)
+    first, last = hidden.starts[:-1], hidden.starts[1:] - 1
+    normal = _normals(hidden)
+    # As complex numbers, and with neighbours beside each other but for the ends, in a third of the time.
+    smooth, pull = normal.view(np.complex128)[:, 0].copy(), 0.1 * normal
+    total = np.zeros_like(smooth)
+    turned, sums = (values.view(np.float64).reshape(-1, 2) for values in (smooth, total))
     for _ in range(16):
-        smooth = _unit(smooth[before] + smooth[after] + 0.1 * normal)
-    return np.where((np.einsum("nd,nd->n", smooth, normal) > 0.25)[:, None], smooth, normal)
+        np.add(smooth[:-2], smooth[2:], out=total[1:-1])
+        for ends in (first, last):
+            total[ends] = smooth[before[ends]] + smooth[after[ends]]
+        sums += pull
+        np.divide(sums, np.maximum(np.hypot(total.real, total.imag), 1e-12)[:, None], out=turned)
+    return np.where((np.einsum("nd,nd->n", turned, normal) > 0.25)[:, None], turned, normal)
 
 
 def _unit(vectors: np.ndarray) -> np.ndarray:

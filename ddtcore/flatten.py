@@ -80,6 +80,8 @@ def remix(image: np.ndarray, labels: Labels, index: np.ndarray, origin: np.ndarr
         number = index[start:start + _ROWS]
         np.copyto(keys[start:start + _ROWS], painted[number], where=changed[number])
     cells, other = _pairs(index, changed)
+    if not cells.size:
+        return out
     cuts = np.unique(np.searchsorted(cells, cells[_CHUNK::_CHUNK]))
     for some, others in zip(np.split(cells, cuts), np.split(other, cuts)):
         at, mixed = _remixed(image, labels, index, origin, colours, changed, some, others)
@@ -89,7 +91,7 @@ def remix(image: np.ndarray, labels: Labels, index: np.ndarray, origin: np.ndarr
 
 def _remixed(image: np.ndarray, labels: Labels, index: np.ndarray, origin: np.ndarray, colours: np.ndarray,
              changed: np.ndarray, cells: np.ndarray, other: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Pixels, of those given (n,) with a region near each, and what they become."""
+    """Pixels, of those given (n,), rising, with a region near each, and what they become."""
     own = index.ravel()[cells]
     row, col = np.divmod(cells, index.shape[1])
     points = np.stack([col + 0.5, row + 0.5], axis=1)
@@ -102,15 +104,16 @@ def _remixed(image: np.ndarray, labels: Labels, index: np.ndarray, origin: np.nd
                    for number, was in ((own, here), (other, there)))
     mixed = there + share[:, None] * (here - there) + off
     # Of several regions nearby, the one whose mix leaves the least.
-    order = np.lexsort((rest, cells))
-    best = order[np.append(True, np.diff(cells[order]) > 0)[:len(order)]]
+    group = np.cumsum(np.diff(cells, prepend=-1) > 0) - 1
+    least = np.flatnonzero(rest == np.minimum.reduceat(rest, np.searchsorted(group, np.arange(group[-1] + 1)))[group])
+    best = least[np.diff(group[least], prepend=-1) > 0]
     return cells[best], mixed[best]
 
 
 def _pairs(index: np.ndarray, soft: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Pixels, and other labels near each; one of the two labels is soft."""
+    """Pixels, rising, and other labels near each; one of the two labels is soft."""
     framed = np.pad(index, _REACH, mode="edge")
-    row, col = np.divmod(np.flatnonzero(_near_borders(framed)), index.shape[1])
+    row, col = np.divmod(np.flatnonzero(_near_borders(framed, soft)), index.shape[1])
     cells = (row + _REACH) * framed.shape[1] + col + _REACH
     number = row * index.shape[1] + col
     framed = framed.ravel()
@@ -125,13 +128,17 @@ def _pairs(index: np.ndarray, soft: np.ndarray) -> Tuple[np.ndarray, np.ndarray]
         more.append(number[hit[again]] * len(soft) + near[hit[again]])
         other[hit[~again]] = near[hit[~again]]
     some = other >= 0
-    return np.divmod(np.unique(np.concatenate([number[some] * len(soft) + other[some], *more])), len(soft))
+    pairs = np.concatenate([number[some] * len(soft) + other[some], np.unique(np.concatenate(more))])
+    # Both parts are sorted, and no pair is in both.
+    return np.divmod(np.sort(pairs, kind="stable"), len(soft))
 
 
-def _near_borders(framed: np.ndarray) -> np.ndarray:
-    """Which pixels have another label in reach, and some of those nearby, of labels with a frame that wide."""
+def _near_borders(framed: np.ndarray, soft: np.ndarray) -> np.ndarray:
+    """Which pixels have a border of a soft label in reach, and some of those nearby, of labels with such a frame."""
     near = np.zeros(framed.shape, bool)
-    right, down = framed[:, 1:] != framed[:, :-1], framed[1:] != framed[:-1]
+    right, down, known = framed[:, 1:] != framed[:, :-1], framed[1:] != framed[:-1], soft[framed]
+    right &= known[:, 1:] | known[:, :-1]
+    down &= known[1:] | known[:-1]
     near[:, 1:] |= right
     near[1:] |= down
     wide = 2 * _REACH + 1

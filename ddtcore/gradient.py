@@ -1,21 +1,23 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The gradient that explains the colours of a region, if one pays for its bytes.
+"""The gradients that explain the colours of regions, where one pays for its bytes.
 
 A gradient costs what it leaves unexplained and a price for its size in the file, as in
 the minimum description length principle (Rissanen, Automatica 14, 1978).  The cheapest
-of none, a linear, a radial and an elliptic one is taken.
+of none, a linear, a radial and an elliptic one is taken.  What takes long is done for
+many regions at a time.
 """
 
 from __future__ import annotations
 
-from typing import List, NamedTuple, Optional, Tuple
+from typing import Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
-from .field import Field, Samples, refined, squares, total_error, unexplained, weighted_quantile
+from .field import Field, Fields, refined, unexplained
 from .model import Gradient
-from .parallels import Parallels, first_field, parallels, slopes
-from .stops import BINS, choose_stops, profile
+from .parallels import Parallels, first_fields, parallels, slopes
+from .prolonged import Unit, with_stops
+from .samples import Batch, Samples, squares, total_error, total_errors, weighted_quantile
 
 PRICE = 16.0
 """What a byte of the file must save, squared levels of a channel times px."""
@@ -43,62 +45,49 @@ _CELLS, _COARSE = 2000, 700
 _SQUARE = 3.0
 """Smallest squares in which slopes of the colour are measured, px."""
 
-_REACH = 0.75
-"""How far a gradient reaches beyond the outermost pixel centres, px."""
+_MANY = 64
+"""Regions that are worked on at a time."""
 
+class Wanted(NamedTuple):
+    """A region for which a gradient is looked for.
 
-def fit_gradient(samples: Samples, reach: np.ndarray, straight: bool = False) -> Optional[Gradient]:
-    """Find the cheapest gradient for a region.
-
-    Parameters
+    Attributes
     ----------
     samples : Samples
         Colours well inside the region.
     reach : ndarray of shape (m, 2)
         Points up to which the gradient must go on.
-    straight : bool
-        Whether only linear gradients are considered.
+    kinds : int
+        1 if only linear gradients are considered, 2 if circular ones are, too, or all 3.
+    """
+
+    samples: Samples
+    reach: np.ndarray
+    kinds: int = 3
+
+
+def fit_gradients(regions: Iterable[Wanted]) -> List[Optional[Gradient]]:
+    """Find the cheapest gradient for each of some regions, all with as many channels.
 
     Returns
     -------
-    Gradient or None
+    list of Gradient or None
         None where the mean colour is the cheapest.
     """
-    middle = np.average(samples.points, axis=0, weights=samples.count)
-    size = np.sqrt(np.average((samples.points - middle) ** 2, axis=0, weights=samples.count).sum())
-    if size == 0:
-        return None
-    cells = _averaged(samples, _CELLS)
-    best, least = None, _error(cells, np.average(cells.colour, axis=0, weights=cells.count))
-    exact = _EXACT * samples.count.sum() * cells.colour.shape[1]
-    if least <= exact + PRICE * BYTES:
-        return None
-    unit = _Unit(middle, size)
-    slope = slopes(samples, max(_SQUARE, np.sqrt(len(samples.points)) / 8))
-    known = parallels(slope._replace(points=unit.local(slope.points)))
-    local, coarse = (some._replace(points=unit.local(some.points)) for some in (cells, _averaged(cells, _COARSE)))
-    region = _Region(cells, local, coarse, unit.local(reach), unit)
-    for candidate in _candidates(known, region, straight, exact):
-        if candidate.least >= least:
-            continue
-        gradient = _fitted(candidate, region)
-        cost = _error(cells, colours_at(gradient, cells.points)) + price(gradient)
-        if cost < least:
-            best, least = gradient, cost
-    return best
-
-
-class _Unit(NamedTuple):
-    """Coordinates in which a region lies about the origin and has the size 1."""
-
-    middle: np.ndarray
-    size: float
-
-    def local(self, points: np.ndarray) -> np.ndarray:
-        return np.asarray((points - self.middle) / self.size)
-
-    def back(self, points: np.ndarray) -> np.ndarray:
-        return self.middle + self.size * points
+    found: List[Optional[Gradient]] = []
+    known, places = [], []
+    for wanted in regions:
+        region = _Region.of(wanted)
+        if region is not None:
+            known.append(region)
+            places.append(len(found))
+        found.append(None)
+        if len(known) == _MANY:
+            _fit(known, places, found)
+            known, places = [], []
+    if known:
+        _fit(known, places, found)
+    return found
 
 
 class _Region(NamedTuple):
@@ -106,45 +95,108 @@ class _Region(NamedTuple):
     local: Samples       # the same in those of `unit`
     coarse: Samples      # fewer, likewise
     reach: np.ndarray    # (m, 2) up to where the gradient must go on, likewise
-    unit: _Unit
+    unit: Unit
+    known: Tuple[Parallels, Parallels]
+    kinds: int           # as wanted
+    least: float         # what the mean colour costs
+    exact: float         # what need not be lowered
+
+    @classmethod
+    def of(cls, wanted: Wanted) -> Optional[_Region]:
+        """What is to be known of a region; None if no gradient pays."""
+        samples = wanted.samples
+        middle = np.average(samples.points, axis=0, weights=samples.count)
+        size = np.sqrt(np.average((samples.points - middle) ** 2, axis=0, weights=samples.count).sum())
+        if size == 0:
+            return None
+        cells = _averaged(samples, _CELLS)
+        least = _error(cells, np.average(cells.colour, axis=0, weights=cells.count))
+        exact = _EXACT * samples.count.sum() * cells.colour.shape[1]
+        if least <= exact + PRICE * BYTES:
+            return None
+        unit = Unit(middle, size)
+        slope = slopes(samples, max(_SQUARE, np.sqrt(len(samples.points)) / 8))
+        known = parallels(slope._replace(points=unit.local(slope.points)))
+        local, coarse = (some._replace(points=unit.local(some.points)) for some in (cells, _averaged(cells, _COARSE)))
+        return cls(cells, local, coarse, unit.local(wanted.reach), unit, known, wanted.kinds, least, exact)
 
 
 class _Candidate(NamedTuple):
+    kind: int            # of `_KINDS`
     field: Field
     off: np.ndarray      # (n, C) what even free colours along it leave of the local samples
     least: float         # what its gradient costs at least
 
 
-def _candidates(known: Tuple[Parallels, Parallels], region: _Region, straight: bool,
-                exact: float) -> List[_Candidate]:
+def _fit(regions: Sequence[_Region], places: Sequence[int], found: List[Optional[Gradient]]) -> None:
+    """Put the cheapest gradients of regions at their places among those that are found."""
+    least = [region.least for region in regions]
+    waiting = _candidates(regions)
+    while any(waiting):
+        tried = [k for k, some in enumerate(waiting) if some and some[0].least < least[k]]
+        fields = [waiting[k][0] for k in tried]
+        for k, gradient in zip(tried, _fitted(fields, [regions[k] for k in tried])):
+            cells = regions[k].cells
+            cost = _error(cells, colours_at(gradient, cells.points)) + price(gradient)
+            if cost < least[k]:
+                found[places[k]], least[k] = gradient, cost
+        waiting = [some[1:] for some in waiting]
+
+
+def _candidates(regions: Sequence[_Region]) -> List[List[_Candidate]]:
     """The best field of each kind, up to the first that explains all; the most promising kind comes first.
 
     It is the stops that take long, and other kinds seldom need them then.
     """
-    found = []
-    for kind, elliptic in _KINDS[:1] if straight else _KINDS:
-        field = first_field(known, region.coarse, kind, elliptic)
-        if field is not None:
-            field = refined(field, region.coarse)
-            off = unexplained(field, region.local)
-            error = total_error(off, region.local.count)
-            found.append(_Candidate(field, off, error + PRICE * (BYTES + elliptic * ELLIPSE_BYTES)))
-            if error <= exact:
-                break
-    kinds = [candidate.field.kind for candidate in sorted(found, key=lambda one: one.least)]
-    return sorted(found, key=lambda one: one.field.kind != kinds[0])
+    found: List[List[_Candidate]] = [[] for _ in regions]
+    left = np.arange(len(regions))
+    for kind, (name, elliptic) in enumerate(_KINDS):
+        left = left[[regions[k].kinds > kind for k in left.tolist()]]
+        if not left.size:
+            break
+        some = [regions[k] for k in left.tolist()]
+        coarse, local = (Batch.of(samples) for samples in zip(*((each.coarse, each.local) for each in some)))
+        fields, sound = first_fields([each.known for each in some], coarse, name, elliptic)
+        fields = refined(fields, coarse)
+        off = unexplained(fields, local)
+        errors = total_errors(off, local)
+        parts = np.split(off, local.starts[1:])
+        costs = errors + PRICE * (BYTES + elliptic * ELLIPSE_BYTES)
+        for number in np.flatnonzero(sound).tolist():
+            found[left[number]].append(_Candidate(kind, fields.of(number), parts[number], costs[number]))
+        left = left[~sound | (errors > [each.exact for each in some])]
+    return [_in_order(candidates) for candidates in found]
 
 
-def _fitted(candidate: _Candidate, region: _Region) -> Gradient:
-    """The best gradient like a field."""
-    field, off, _ = candidate
-    samples = region.local
-    square = (off ** 2).sum(axis=1)
+def _in_order(candidates: List[_Candidate]) -> List[_Candidate]:
+    """Candidates with those of the most promising one's kind first."""
+    kinds = [candidate.field.kind for candidate in sorted(candidates, key=lambda one: one.least)]
+    return sorted(candidates, key=lambda one: one.field.kind != kinds[0])
+
+
+def _fitted(candidates: Sequence[_Candidate], regions: Sequence[_Region]) -> Iterator[Gradient]:
+    """The best gradient like the field of each candidate for a region."""
+    fields = [candidate.field for candidate in candidates]
+    samples = [_trusted(candidate.off, region.local) for candidate, region in zip(candidates, regions)]
+    for kind in range(len(_KINDS)):
+        some = [k for k, candidate in enumerate(candidates)
+                if candidate.kind == kind and samples[k] is not regions[k].local]
+        if some:
+            better = refined(Fields(_KINDS[kind][0], np.stack([fields[k].values for k in some])),
+                             Batch.of([samples[k] for k in some]))
+            for number, k in enumerate(some):
+                fields[k] = better.of(number)
+    return with_stops(fields, samples, [region.reach for region in regions], [region.unit for region in regions],
+                      PRICE * STOP_BYTES)
+
+
+def _trusted(off: np.ndarray, samples: Samples) -> Samples:
+    """Samples, those that are far from what explains them counting less, if there are such."""
+    square = np.einsum("nc,nc->n", off, off)
     trust = 1 / (1 + square / (9 * weighted_quantile(square, samples.count, 0.7) + 9)) ** 2
-    if np.average(trust < 0.5, weights=samples.count) > _STRAY:
-        samples = samples._replace(count=samples.count * trust)
-        field = refined(field, samples)
-    return _with_stops(field, region, samples)
+    if np.average(trust < 0.5, weights=samples.count) <= _STRAY:
+        return samples
+    return samples._replace(count=samples.count * trust)
 
 
 def price(gradient: Gradient) -> float:
@@ -170,59 +222,6 @@ def _averaged(samples: Samples, most: int) -> Samples:
         return np.stack([np.bincount(number, samples.count * v, cells) / count for v in values.T], axis=1)
 
     return Samples(mean(samples.points), mean(samples.colour), count)
-
-
-def _with_stops(field: Field, region: _Region, samples: Samples) -> Gradient:
-    """The gradient along a field, in the coordinates of the picture."""
-    place = field.places(samples.points)
-    low, length = place.min(), max(np.ptp(place), 1e-9)
-    bins = profile((place - low) / length, samples.colour, samples.count)
-    knots, values = choose_stops(bins, PRICE * STOP_BYTES)
-    begins, ends = knots[0] < 1.5 / BINS, knots[-1] > 1 - 1.5 / BINS
-    knots = low + knots * length
-    reach, margin = field.places(region.reach), _REACH / region.unit.size
-    radial = field.kind == "radial"
-    if begins:
-        knots, values = _prolonged(knots, values, max(reach.min() - margin, 0.0 if radial else -np.inf))
-    if ends:
-        knots, values = (a[::-1] for a in _prolonged(knots[::-1], values[::-1], reach.max() + margin))
-    stops = _stops(knots, values, 0.0 if radial else knots[0])
-    if not radial:
-        start, end = (_pair(region.unit.back(knot * field.axis)) for knot in (knots[0], knots[-1]))
-        return Gradient("linear", start, end, stops)
-    measure, axes = np.linalg.eigh(field.matrix)
-    centre = field.values[:2]
-    end, across = (_pair(region.unit.back(centre + knots[-1] * axis / np.sqrt(square)))
-                   for axis, square in zip(axes.T, measure))
-    return Gradient("radial", _pair(region.unit.back(centre)), end, stops,
-                    across if len(field.values) == 4 else None)
-
-
-def _prolonged(knots: np.ndarray, values: np.ndarray, end: float) -> Tuple[np.ndarray, np.ndarray]:
-    """The first stop moved out to `end` along the slope that it begins, as far as its colour allows."""
-    knots, values = knots.copy(), values.copy()
-    step = values[0] - values[1]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        room = np.where(step > 0, (255 - values[0]) / step, np.where(step < 0, values[0] / -step, np.inf))
-    share = min((end - knots[0]) / (knots[0] - knots[1]), room.min(), 1.0)
-    if share > 0:
-        knots[0] += share * (knots[0] - knots[1])
-        values[0] += share * step
-    return knots, values
-
-
-def _stops(knots: np.ndarray, values: np.ndarray,
-           begin: float) -> Tuple[Tuple[float, Tuple[int, int, int], float], ...]:
-    """Stops of a gradient whose offset 0 lies at `begin`."""
-    offsets = (knots - begin) / (knots[-1] - begin)
-    levels = np.clip(np.rint(values), 0, 255).astype(int).tolist()
-    return tuple((round(offset, 4), (r, g, b), round(alpha[0] / 255, 4) if alpha else 1.0)
-                 for offset, (r, g, b, *alpha) in zip(offsets.tolist(), levels))
-
-
-def _pair(point: np.ndarray) -> Tuple[float, float]:
-    x, y = np.round(point, 2).tolist()
-    return x, y
 
 
 def colours_at(gradient: Gradient, points: np.ndarray) -> np.ndarray:

@@ -9,15 +9,15 @@ Machine Intelligence 10, 1988).
 
 from __future__ import annotations
 
-from typing import Callable, List, NamedTuple, Optional, Tuple
+from typing import Callable, Iterable, Iterator, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
 from .canvas import Canvas, planes
 from .components import mask_areas
-from .field import Samples
-from .gradient import colours_at, fit_gradient
+from .gradient import Wanted, colours_at, fit_gradients
 from .model import Gradient
+from .samples import Samples
 
 FIT = 4.0
 """A pixel that is farther than this from a surface does not belong to it, levels of a channel."""
@@ -139,7 +139,7 @@ def _grown(ramp: Ramp, left: np.ndarray, seed: np.ndarray, fit: float) -> Tuple[
     while fits < 3:
         fits += 1
         own = part[ramp.mask]
-        surface = fitted_surface(ramp.points[own], ramp.colour[own])
+        surface, = fitted_surfaces([(ramp.points[own], ramp.colour[own])])
         before, part = part, _reached(ramp, left, seed, surface, fit)
         if np.count_nonzero(part) < 1.02 * np.count_nonzero(before):
             break
@@ -177,13 +177,23 @@ def _polynomial(ramp: Ramp, part: np.ndarray) -> Surface:
     return Surface(lambda at: terms(at).dot(values))
 
 
-def fitted_surface(points: np.ndarray, colour: np.ndarray) -> Surface:
-    """The gradient of some pixels, or else their median colour, as a surface."""
-    reach = np.concatenate([points - _BEYOND, points + _BEYOND])
-    some = np.linspace(0, len(points) - 1, min(len(points), _FITTED)).astype(int)
-    count = np.full(some.size, len(points) / some.size)
-    gradient = fit_gradient(Samples(points[some], colour[some].astype(np.float64), count), reach)
+def fitted_surfaces(ramps: Iterable[Tuple[np.ndarray, np.ndarray]]) -> List[Surface]:
+    """The gradients of some ramps, or else their median colours, by the centres and colours of their pixels."""
+    middles = []
+
+    def wanted() -> Iterator[Wanted]:
+        for points, colour in ramps:
+            middles.append(np.median(colour, axis=0))
+            reach = np.concatenate([points - _BEYOND, points + _BEYOND])
+            some = np.linspace(0, len(points) - 1, min(len(points), _FITTED)).astype(int)
+            count = np.full(some.size, len(points) / some.size)
+            yield Wanted(Samples(points[some], colour[some].astype(np.float64), count), reach)
+
+    return [_surface(gradient, middle) for gradient, middle in zip(fit_gradients(wanted()), middles)]
+
+
+def _surface(gradient: Optional[Gradient], middle: np.ndarray) -> Surface:
+    """A gradient, or else a colour (C,), as a surface."""
     if gradient is None:
-        middle = np.median(colour, axis=0)
         return Surface(lambda at: np.broadcast_to(middle, (len(at), len(middle))))
-    return Surface(lambda at: colours_at(gradient, at)[:, :colour.shape[1]], gradient)
+    return Surface(lambda at: colours_at(gradient, at)[:, :len(middle)], gradient)

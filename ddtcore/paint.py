@@ -9,15 +9,18 @@ from typing import Iterator, List, NamedTuple, Optional, Tuple
 import numpy as np
 
 from .canvas import premultiply
-from .field import Samples
-from .gradient import colours_at, fit_gradient
+from .gradient import Wanted, colours_at, fit_gradients
 from .members import Pixels, sure_pixels
 from .model import Gradient, Labels, PlanarMap
 from .options import TraceOptions
+from .samples import Samples
 from .tint import beneath, cheaper, tinted
 
 _FEW = 16
 """Regions with fewer pixels off their border may have straight gradients only."""
+
+_KINDS, _KINDS_OF_PHOTOS = 3, 2
+"""Kinds of gradients that larger ones may have; what slopes in a photograph is no ellipse."""
 
 _LEAST = 4
 """Regions with fewer pixels that stand out are judged by all their pixels."""
@@ -71,16 +74,24 @@ def find_gradients(image: np.ndarray, labels: Labels) -> Labels:
     colour = pixels.colours(image)
     opaque = bool((colour[:, 3] == 255).all())
     sure = sure_pixels(image, labels.index, pixels)
-    known = gradients.copy()
-    for label, part in pixels.groups():
+    groups = list(pixels.groups())
+
+    def samples_of(part: np.ndarray) -> Samples:
         chosen = part[sure[part]]
         chosen = chosen if len(chosen) >= _LEAST else part
         count = np.full(len(chosen), len(part) / len(chosen))
-        samples = Samples(pixels.points[chosen], colour[chosen, :3 if opaque else 4], count)
-        straight = int(np.count_nonzero(pixels.inside[part])) < _FEW
-        own = fit_gradient(samples, pixels.points[part], straight)
+        return Samples(pixels.points[chosen], colour[chosen, :3 if opaque else 4], count)
+
+    known = gradients.copy()
+    most = _KINDS_OF_PHOTOS if labels.gradients is None else _KINDS
+    found = fit_gradients(Wanted(samples_of(part), pixels.points[part],
+                                 1 if np.count_nonzero(pixels.inside[part]) < _FEW else most) for _, part in groups)
+    for (label, part), own in zip(groups, found):
         base = beneath(labels.index, pixels.cells[part], known)
-        gradients[label] = own if own is None or base is None else cheaper(own, tinted(base, samples), base, samples)
+        if own is not None and base is not None:
+            samples = samples_of(part)
+            own = cheaper(own, tinted(base, samples), base, samples)
+        gradients[label] = own
     return replace(labels, gradients=tuple(gradients))
 
 

@@ -10,11 +10,12 @@ may be.
 
 from __future__ import annotations
 
-from typing import NamedTuple, Optional, Tuple
+from typing import NamedTuple, Sequence, Tuple
 
 import numpy as np
 
-from .field import STRIP, Field, Samples, squares, total_error, unexplained, weighted_quantile
+from .field import STRIP, Fields, unexplained
+from .samples import Batch, Samples, squares, total_errors, weighted_quantile
 
 _FILLED, _MANY = 4, 64
 """Fewest samples in a square from which slopes are measured, on average, unless there are few squares."""
@@ -79,61 +80,72 @@ def parallels(known: Slopes) -> Tuple[Parallels, Parallels]:
     return compared(known.count), compared(calm)
 
 
-def first_field(known: Tuple[Parallels, Parallels], samples: Samples, kind: str,
-                elliptic: bool = False) -> Optional[Field]:
-    """The field whose slopes are most nearly parallel to those of the colour.
+def first_fields(known: Sequence[Tuple[Parallels, Parallels]], batch: Batch, kind: str,
+                 elliptic: bool = False) -> Tuple[Fields, np.ndarray]:
+    """The field of each region whose slopes are most nearly parallel to those of the colour.
 
     Parameters
     ----------
-    known : (Parallels, Parallels)
-    samples : Samples
+    known : sequence of (Parallels, Parallels)
+    batch : Batch
+        With as many regions.
     kind : {'linear', 'radial'}
     elliptic : bool
-        Of a radial field: whether its lines are ellipses.
+        Of radial fields: whether their lines are ellipses.
 
     Returns
     -------
-    Field or None
-        None where the lines of equal colour are not of this kind.
+    fields : Fields
+    sound : ndarray of shape (R,) and dtype bool
+        False where the lines of equal colour are not of this kind.
     """
-    found = [_parallel(each, kind, elliptic) for each in known]
+    found = [_parallel([pair[k] for pair in known], kind, elliptic) for k in (0, 1)]
     if kind == "linear":
-        found.append(_tilted(samples))
-    fields = [field for field in found if field is not None and field.sound]
-    return min(fields, key=lambda field: total_error(unexplained(field, samples), samples.count)) if fields else None
+        found.append(_tilted(batch))
+    errors = []
+    for fields in found:
+        sound = fields.sound
+        # What is no field gives no numbers either.
+        fields.values[~sound] = 0
+        errors.append(np.where(sound, total_errors(unexplained(fields, batch), batch), np.inf))
+    best = np.argmin(errors, axis=0)
+    values = np.stack([fields.values for fields in found])[best, np.arange(len(best))]
+    return Fields(kind, values), np.isfinite(np.min(errors, axis=0))
 
 
-def _tilted(samples: Samples) -> Field:
-    """The linear field along which the plane that fits all colours best is steepest.
+def _tilted(batch: Batch) -> Fields:
+    """The linear fields along which the plane that fits all colours best is steepest.
 
     In a narrow, bent region the slopes of squares tell little of what changes along it.
     """
-    weight = samples.count / samples.count.sum()
-    points = samples.points - weight.dot(samples.points)
-    spread = (points.T * weight).dot(points) + 1e-6 * np.eye(2)
-    rise = np.linalg.solve(spread, (points.T * weight).dot(samples.colour - weight.dot(samples.colour)))
-    steepest = np.linalg.eigh(rise.dot(rise.T))[1][:, -1]
-    return Field("linear", np.arctan2(steepest[1:], steepest[:1]))
+    points, colour, count = batch.samples
+    weight = count / batch.sums(count)[batch.region]
+    points, colour = (values.T - batch.sums(weight * values.T)[:, batch.region] for values in (points, colour))
+    spread = np.moveaxis(batch.sums(weight * points * points[:, None]), 2, 0) + 1e-6 * np.eye(2)
+    rise = np.linalg.solve(spread, np.moveaxis(batch.sums(weight * colour * points[:, None]), 2, 0))
+    steepest = np.linalg.eigh(np.matmul(rise, rise.swapaxes(1, 2)))[1][:, :, -1]
+    return Fields("linear", np.arctan2(steepest[:, 1:], steepest[:, :1]))
 
 
-def _parallel(known: Parallels, kind: str, elliptic: bool) -> Optional[Field]:
-    """The field that lies nearest to being parallel to the slopes, however far its centre is."""
+def _parallel(known: Sequence[Parallels], kind: str, elliptic: bool) -> Fields:
+    """The fields that lie nearest to being parallel to the slopes, however far their centres are."""
     terms = 2 if kind == "linear" else 5 if elliptic else 3
-    q = _least(known.cross[:terms, :terms], known.steep[:terms, :terms])
+    q = _least(*(np.stack(matrices)[:, :terms, :terms] for matrices in zip(*known)))
     if kind == "linear":
-        return Field("linear", np.arctan2(q[1:], q[:1]))
-    size = q[2] or 1e-12
-    shape = np.concatenate([q[3:], np.zeros(5 - len(q))]) / size
-    if np.hypot(*shape) > STRIP:
-        return None
-    field = Field("radial", np.concatenate([np.zeros(2), shape]))
-    centre = np.linalg.solve(field.matrix, q[:2]) / (-2 * size)
-    return Field("radial", np.concatenate([centre, shape]) if elliptic else centre)
+        return Fields("linear", np.arctan2(q[:, 1:], q[:, :1]))
+    size = np.where(q[:, 2:3] == 0, 1e-12, q[:, 2:3])
+    e, f = np.concatenate([q[:, 3:] / size, np.zeros((len(q), 5 - terms))], axis=1).T
+    # Of what is no ellipse, the matrix has no inverse: whatever its centre is, the field is not sound.
+    det = np.where(np.hypot(e, f) < STRIP, 1 - e * e - f * f, 1)
+    x, y = q[:, :2].T / (-2 * size[:, 0] * det)
+    centre = np.stack([(1 - e) * x - f * y, (1 + e) * y - f * x], axis=1)
+    return Fields("radial", np.concatenate([centre, q[:, 3:] / size], axis=1))
 
 
 def _least(matrix: np.ndarray, norm: np.ndarray) -> np.ndarray:
-    """The vector v that makes v·matrix·v / v·norm·v least."""
-    norm = norm + (1e-9 * np.trace(norm) + 1e-300) * np.eye(len(norm))
+    """The vectors v (R, n) that make v·matrix·v / v·norm·v least, of matrices (R, n, n)."""
+    trace = np.einsum("rkk->r", norm)
+    norm = norm + (1e-9 * trace + 1e-300)[:, None, None] * np.eye(norm.shape[1])
     half = np.linalg.inv(np.linalg.cholesky(norm))
-    least = np.linalg.eigh(half.dot(matrix).dot(half.T))[1][:, 0]
-    return np.asarray(least.dot(half))
+    least = np.linalg.eigh(np.matmul(np.matmul(half, matrix), half.swapaxes(1, 2)))[1][:, None, :, 0]
+    return np.asarray(np.matmul(least, half)[:, 0])

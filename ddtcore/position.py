@@ -63,9 +63,8 @@ def place(image: np.ndarray, labels: Labels, mesh: Mesh, planar: PlanarMap,
 def premultiplied(rgba: np.ndarray) -> np.ndarray:
     """Colours (..., 4) with RGB multiplied by alpha, float32, 0 to 255."""
     colours = np.array(rgba, np.float32)
-    alpha = colours[..., 3:]
-    if (alpha != 255).any():
-        colours[..., :3] *= alpha / np.float32(255)
+    if (colours[..., 3] < 255).any():
+        colours[..., :3] *= colours[..., 3:] / np.float32(255)
     return colours
 
 
@@ -164,12 +163,14 @@ def _first_in_column(ring: np.ndarray, arc: np.ndarray, raw: np.ndarray, tangent
     cell = np.floor(raw)
     upright = np.abs(tangent[:, 1]) > np.abs(tangent[:, 0])
     column = np.where(upright, -1 - cell[:, 1], cell[:, 0])
-    fresh = np.ones(len(arc), bool)
-    fresh[1:] = (arc[1:] != arc[:-1]) | (column[1:] != column[:-1])
+    first = np.append(True, arc[1:] != arc[:-1])[:len(arc)]
+    fresh = first.copy()
+    fresh[1:] |= column[1:] != column[:-1]
     # A ring can end in the column it began in.
-    last = np.searchsorted(arc, arc, side="right") - 1
-    head = fresh & ring[arc] & (np.searchsorted(arc, arc) == np.arange(len(arc))) & (last > np.arange(len(arc)))
-    fresh[head] = column[last[head]] != column[head]
+    head = np.flatnonzero(first)
+    last = np.append(head[1:], len(arc)) - 1
+    closed = ring[arc[head]] & (last > head)
+    fresh[head[closed]] = column[last[closed]] != column[head[closed]]
     return fresh
 
 
@@ -203,13 +204,16 @@ def _junction_means(mesh: Mesh, planar: PlanarMap, raw: np.ndarray) -> np.ndarra
 
 def _tangents(planar: PlanarMap, arc: np.ndarray, raw: np.ndarray) -> np.ndarray:
     """Direction of each arc at its crossings, from two crossings before to two after."""
-    index = np.arange(len(raw))
     first, length = planar.starts[arc], np.diff(planar.starts)[arc]
-    ring = planar.rings[arc]
-    offset = index - first
-    after = np.where(ring, (offset + 2) % length, np.minimum(offset + 2, length - 1))
-    before = np.where(ring, (offset - 2) % length, np.maximum(offset - 2, 0))
-    return np.asarray(raw.take(first + after, axis=0) - raw.take(first + before, axis=0))
+
+    def beside(step: int) -> np.ndarray:
+        place = np.arange(step, len(raw) + step) - first
+        beyond = np.flatnonzero((place < 0) | (place >= length))
+        size = length[beyond]
+        place[beyond] = np.where(planar.rings[arc[beyond]], place[beyond] % size, np.clip(place[beyond], 0, size - 1))
+        return np.asarray(raw.take(first + place, axis=0))
+
+    return np.asarray(beside(2) - beside(-2))
 
 
 def _column_sums(image: np.ndarray, raw: np.ndarray, tangent: np.ndarray, left: np.ndarray,
@@ -250,7 +254,8 @@ def _column_sums(image: np.ndarray, raw: np.ndarray, tangent: np.ndarray, left: 
     along = np.where(step > 0, across + total, across + 1 - total)
     position = cell + 0.5
     position[upright, 0], position[~upright, 1] = along[upright], along[~upright]
-    sure &= (np.abs(position - raw).max(axis=1) < 0.8) & (step != 0)
+    away = np.abs(position - raw)
+    sure &= (away[:, 0] < 0.8) & (away[:, 1] < 0.8) & (step != 0)
     return np.where(sure[:, None], position, raw), sure
 
 
@@ -266,8 +271,12 @@ def _sum_between_flats(share: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.nd
     end = np.argmax(low, axis=1)
     between = (index > begin[:, None]) & (index < end[:, None])
     total = np.where(between, share, 0).sum(axis=1) + begin - REACH + 1
-    falling = ((np.diff(share, axis=1) < 0.02) | ~(between[:, 1:] & between[:, :-1])).all(axis=1)
-    return total, high.any(axis=1) & low.any(axis=1) & (end >= begin) & falling, between
+    sure = (begin <= REACH) & (end >= REACH)
+    rising = share[:, 1:] - share[:, :-1] >= 0.02
+    rising &= between[:, 1:]
+    rising &= between[:, :-1]
+    sure[np.nonzero(rising)[0]] = False
+    return total, sure, between
 
 
 def _assemble(mesh: Mesh, planar: PlanarMap, arc: np.ndarray, points: np.ndarray,

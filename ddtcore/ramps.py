@@ -45,6 +45,9 @@ SOFT = 14.0
 SLOPES = 40
 """Most gradients of a photograph."""
 
+_SAMPLED = 1 << 17
+"""Pixels of a photograph that are looked at to choose them, about."""
+
 SLOPING = 0.02
 """Smallest share of a ramp's pixels that differ from a neighbour."""
 
@@ -259,17 +262,20 @@ def mark_slopes(canvas: Canvas, labels: Labels) -> Labels:
     labels : Labels
         One label for each area.
     """
-    index, count = labels.index.ravel(), len(labels.palette)
-    row, col = np.divmod(np.arange(index.size, dtype=np.int32), labels.index.shape[1])
+    # It is large areas that matter: some of their pixels tell enough.
+    step = max(int(np.sqrt(labels.index.size / _SAMPLED)), 1)
+    some, count = labels.index[::step, ::step], len(labels.palette)
+    row, col = (place.ravel() * float(step) for place in np.indices(some.shape, np.int32))
+    index = some.ravel()
     size = np.maximum(np.bincount(index, minlength=count), 1)
     x, y = (place - (np.bincount(index, place, count) / size)[index] for place in (col, row))
     xx, xy, yy = (np.bincount(index, product, count) for product in (x * x, x * y, y * y))
     det = np.maximum(xx * yy - xy * xy, 1e-6 * (xx + yy + 1) ** 2)
     gain = np.zeros(count)
-    for plane in planes(canvas.bare(canvas.keys), canvas.opaque):
+    for plane in planes(canvas.bare(canvas.keys)[::step, ::step], canvas.opaque):
         along, down = (np.bincount(index, place * plane.ravel(), count) for place in (x, y))
         gain += (yy * along * along - 2 * xy * along * down + xx * down * down) / det
     best = np.argsort(-gain, kind="stable")[:SLOPES]
     ramp = np.zeros(count, bool)
-    ramp[best] = gain[best] > 2 * PRICE * BYTES
+    ramp[best] = step**2 * gain[best] > 2 * PRICE * BYTES
     return replace(labels, ramp=ramp)

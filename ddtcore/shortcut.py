@@ -25,6 +25,9 @@ _LOOKS = ((1, 1.4, _LONGEST), (0, 0.5, 10.0))
 """Levels of the rank map on which triangles are looked at, the distance between samples on each, and the longest
 side, px.  The finer level sees room beside narrow things, but leaves no margin to the shape itself."""
 
+_FEW = 8
+"""Samples of a triangle that are looked at before all others."""
+
 _FLAT, _SHORT = 0.1, 20.0
 """Corners nearer than this to the line between their neighbours may go where these are not farther apart, px."""
 
@@ -84,10 +87,17 @@ def _free(triangles: np.ndarray, steps: np.ndarray, most: int, least: np.ndarray
           level: int) -> np.ndarray:
     """In which triangles (T, 3, 2), with so many steps along their sides, nothing is painted before `least` (T,)."""
     begin, weights = _samples(most)
-    count = np.diff(begin)[steps]
-    which = np.repeat(np.arange(len(steps)), count)
-    places = np.einsum("nk,nkd->nd", weights[ranges(begin[steps], count)], triangles[which])
-    return np.asarray(np.bincount(which, ranks.lowest(places, level) < least[which], minlength=len(steps)) == 0)
+    first, count = begin[steps], np.diff(begin)[steps]
+    # Most that are not free show it at once.
+    few = first[:, None] + count[:, None] * (2 * np.arange(_FEW) + 1) // (2 * _FEW)
+    free = np.ones(len(steps), bool)
+    for which, some in ((np.repeat(np.arange(len(steps)), _FEW), few.ravel()),
+                        (np.repeat(np.arange(len(steps)), count), ranges(first, count))):
+        kept = free[which]
+        which, some = which[kept], some[kept]
+        places = np.einsum("nk,nkd->nd", weights[some], triangles[which])
+        free[which[ranks.lowest(places, level) < least[which]]] = False
+    return free
 
 
 @lru_cache(maxsize=None)

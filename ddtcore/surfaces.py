@@ -8,13 +8,13 @@ single gradient explains both.
 
 from __future__ import annotations
 
-from typing import List, Tuple
+from typing import Dict, List, Sequence, Tuple
 
 import numpy as np
 
 from .canvas import Canvas
 from .components import label_components, mask_areas
-from .growing import FIT, MOST, Ramp, Surface, distance, fitted_surface, grown_surfaces
+from .growing import FIT, MOST, Ramp, Surface, distance, fitted_surfaces, grown_surfaces
 from .spans import Spans, renumber, spans_of
 
 STRANGE = 0.03
@@ -78,8 +78,9 @@ def separate(canvas: Canvas, ramps: np.ndarray, count: int, free: np.ndarray,
     surfaces: List[Surface] = []
     pieces = []
     fits, compared = _FITS, _COMPARED
+    wholes = _wholes(canvas, members, fit)
     for k in sorted(range(count), key=lambda k: -members[k].size):
-        whole, good = _whole(canvas, members[k], fit)
+        whole, good = wholes[k]
         window = members[k].window(ramps.shape, 0)
         area = (window[0].stop - window[0].start) * (window[1].stop - window[1].start)
         if not good and fits > 0 and area * MOST <= compared:
@@ -102,11 +103,12 @@ def separate(canvas: Canvas, ramps: np.ndarray, count: int, free: np.ndarray,
     return ramps, surfaces
 
 
-def _whole(canvas: Canvas, spans: Spans, limit: float) -> Tuple[Surface, bool]:
-    """The gradient of a ramp, and whether nearly all pixels are nearer to it than a limit."""
-    points, colour = _pixels(canvas, spans.every(-(-spans.size // _CELLS)))
-    surface = fitted_surface(points, colour)
-    return surface, bool(np.mean(distance(surface, points, colour) > limit) < STRANGE)
+def _wholes(canvas: Canvas, ramps: Sequence[Spans], limit: float) -> List[Tuple[Surface, bool]]:
+    """The gradient of each ramp, and whether nearly all pixels are nearer to it than a limit."""
+    cells = [spans.every(-(-spans.size // _CELLS)) for spans in ramps]
+    surfaces = fitted_surfaces(_pixels(canvas, own) for own in cells)
+    return [(surface, bool(np.mean(distance(surface, *_pixels(canvas, own)) > limit) < STRANGE))
+            for surface, own in zip(surfaces, cells)]
 
 
 def _pixels(canvas: Canvas, cells: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
@@ -118,17 +120,29 @@ def _pixels(canvas: Canvas, cells: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
 def _joined(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], fit: float) -> List[Surface]:
     """Join ramps that meet without a jump, in place, where one gradient explains both: a stop lies between them."""
     members = spans_of(ramps, len(surfaces))
-    into = list(range(len(surfaces)))
-    for one, other, points in _contacts(ramps, len(surfaces)):
-        one, other = into[one], into[other]
+    contacts = _contacts(ramps, len(surfaces))
+
+    def meet(one: int, other: int, points: np.ndarray) -> bool:
         off = surfaces[one].colours(points) - surfaces[other].colours(points)
-        if one == other or np.median(np.abs(off).max(axis=1)) > 2 * fit:
+        return bool(np.median(np.abs(off).max(axis=1)) <= 2 * fit)
+
+    def joined(pairs: List[Tuple[int, int]]) -> Dict[Tuple[int, int], Tuple[Surface, bool]]:
+        both = [members[one].and_those_of(members[other]) for one, other in pairs]
+        return dict(zip(pairs, _wholes(canvas, both, fit / 2)))
+
+    into = list(range(len(surfaces)))
+    known = joined([(one, other) for one, other, points in contacts if meet(one, other, points)])
+    for one, other, points in contacts:
+        one, other = into[one], into[other]
+        if one == other or not meet(one, other, points):
             continue
-        both = members[one].and_those_of(members[other])
-        surface, good = _whole(canvas, both, fit / 2)
+        if (one, other) not in known:
+            known.update(joined([(one, other)]))
+        surface, good = known[one, other]
         if good and surface.gradient is not None:
-            members[one], surfaces[one] = both, surface
+            members[one], surfaces[one] = members[one].and_those_of(members[other]), surface
             into = [one if k == other else k for k in into]
+            known = {pair: found for pair, found in known.items() if one not in pair}
     kept = sorted(set(into))
     if len(kept) < len(into):
         renumber(ramps, np.append([kept.index(k) for k in into], -1).astype(np.int32))

@@ -14,10 +14,10 @@ from typing import Optional, Sequence, Tuple
 
 import numpy as np
 
-from .field import Samples, total_error, weighted_quantile
 from .gradient import colours_at, price
 from .mixes import excess
 from .model import Gradient
+from .samples import Samples, total_error, weighted_quantile
 
 LUCK = 0.5
 """A gradient of its own has to explain a narrow thing better than a tint by this factor: less is luck."""

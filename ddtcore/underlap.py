@@ -32,6 +32,9 @@ _CANDIDATES = 5
 _WINDOW = 32
 """How many doors a line may pass."""
 
+_FEW = 7
+"""How many of these are looked through first: most lines pass no more."""
+
 _BATCH = 4096
 """How many polylines grow at the same time, to bound the memory."""
 
@@ -111,7 +114,18 @@ def _grow(gates: _Gates, owner: np.ndarray, owners: List[np.ndarray], corners: L
 
 def _look(gates: _Gates, following: np.ndarray, end: np.ndarray, candidates: np.ndarray) -> _Sight:
     """Which candidate (R, C) sees through most doors, from `following` on and before `end`."""
-    index = following[:, None] + np.arange(min(_WINDOW, int((end - following).max())))
+    sight = _look_through(gates, following, end, candidates, _FEW)
+    far = np.flatnonzero((sight.reach == _FEW) & (end - following > _FEW))
+    if far.size:
+        farther = _look_through(gates, following[far], end[far], candidates[far], _WINDOW)
+        for near, found in zip(sight, farther):
+            near[far] = found
+    return sight
+
+
+def _look_through(gates: _Gates, following: np.ndarray, end: np.ndarray, candidates: np.ndarray, doors: int) -> _Sight:
+    """The same, through so many doors at most."""
+    index = following[:, None] + np.arange(min(doors, int((end - following).max())))
     inside = index < end[:, None]
     index = np.minimum(index, end[:, None] - 1)
     # Turn each view so that the border runs to the right; outwards is up, and y points down.

@@ -6,8 +6,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ddtcore.field import Field, Samples, refined, squares, total_error, unexplained, weighted_quantile
-from ddtcore.parallels import first_field, parallels, slopes
+from ddtcore.field import Field, refined, unexplained
+from ddtcore.parallels import first_fields, parallels, slopes
+from ddtcore.samples import Batch, Samples, squares, total_error, total_errors, weighted_quantile
 
 LINEAR = Field("linear", np.array([0.7]))
 CIRCLE = Field("radial", np.array([0.3, -0.4]))
@@ -36,7 +37,7 @@ def test_changes_are_the_derivatives_of_the_places(field):
         moved = field.values.copy()
         moved[k] += step
         numeric = (Field(field.kind, moved).places(points()) - field.places(points())) / step
-        np.testing.assert_allclose(field.changes(points(), field.places(points()))[:, k], numeric, atol=1e-3)
+        np.testing.assert_allclose(field.changes(points(), field.places(points()))[k], numeric, atol=1e-3)
 
 
 def test_places_are_lengths_along_the_axis_and_distances_from_the_centre():
@@ -54,18 +55,20 @@ def test_fields_are_found_whatever_the_colours_along_them(field, shape):
         return np.stack([200 * np.abs(place - place.mean()), 0 * place, 0 * place], axis=1)
 
     known = samples(field, ridge) if shape == "ridge" else samples(field)
-    found = first_field(parallels(slopes(known, 0.25)), known, field.kind, len(field.values) == 4)
-    found = refined(found, known)
-    assert same(found, field) < 0.01
+    batch = Batch.of([known])
+    found, sound = first_fields([parallels(slopes(known, 0.25))], batch, field.kind, len(field.values) == 4)
+    found = refined(found, batch)
+    assert sound.all() and same(found.of(0), field) < 0.01
     # A ridge lies between two of the places where the free colours can bend.
-    assert np.abs(unexplained(found, known)).max() < (20 if shape == "ridge" else 0.1)
+    assert np.abs(unexplained(found, batch)).max() < (20 if shape == "ridge" else 0.1)
 
 
 def test_steep_edges_do_not_outvote_the_slopes():
     known = samples(LINEAR)
     edge = np.abs(known.points[:, 0] - 0.9) < 0.02
     known.colour[edge] = 255
-    assert same(first_field(parallels(slopes(known, 0.25)), known, "linear"), LINEAR) < 0.1
+    found, _ = first_fields([parallels(slopes(known, 0.25))], Batch.of([known]), "linear")
+    assert same(found.of(0), LINEAR) < 0.1
 
 
 def test_a_centre_out_of_reach_is_no_radial_field():
@@ -104,5 +107,32 @@ def test_a_bent_strip_tells_the_axis_of_what_changes_along_it(angle):
     # Across the strip, its edges are mixed with what is round it.
     colour = np.stack([120 + place, 90 - 0.5 * place], axis=1) + 20 * (across.reshape(-1, 1) > 0)
     samples = Samples(points / 50, colour, np.ones(len(points)))
-    field = first_field(parallels(slopes(samples, 0.1)), samples, "linear")
-    assert abs(np.sin(field.values[0] - angle)) < 0.1
+    found, _ = first_fields([parallels(slopes(samples, 0.1))], Batch.of([samples]), "linear")
+    assert abs(np.sin(found.values[0, 0] - angle)) < 0.1
+
+
+@pytest.mark.parametrize("kind, size", [("linear", 1), ("radial", 2), ("radial", 4)])
+def test_regions_do_not_matter_to_each_other(kind, size):
+    """Fields of many regions at a time are those that each has alone."""
+    random = np.random.RandomState(8)
+    regions = [samples(field)._replace(count=random.uniform(0.1, 3, 1500)) for field in (LINEAR, CIRCLE, ELLIPSE)]
+    regions = [Samples(*(values[:80 + 400 * k] for values in some)) for k, some in enumerate(regions)]
+
+    def fitted(some):
+        batch = Batch.of(some)
+        fields, sound = first_fields([parallels(slopes(each, 0.25)) for each in some], batch, kind, size == 4)
+        found = refined(fields, batch)
+        return [(*found.values[k], error, sound[k]) for k, error in
+                enumerate(total_errors(unexplained(found, batch), batch).tolist())]
+
+    alone = [fitted([each])[0] for each in regions]
+    np.testing.assert_allclose(fitted(regions), alone, rtol=1e-6, atol=1e-6)
+
+
+def test_some_regions_of_a_batch_are_a_batch_of_them():
+    regions = [Samples(*(values[:size] for values in samples(LINEAR))) for size in (5, 9, 2)]
+    some, expected = Batch.of(regions).some(np.array([True, False, True])), Batch.of(regions[::2])
+    for values, others in zip((*some.samples, some.region, some.starts),
+                              (*expected.samples, expected.region, expected.starts)):
+        np.testing.assert_array_equal(values, others)
+    assert expected.sums(expected.samples.count).tolist() == [5, 2]

@@ -9,9 +9,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ddtcore.field import Samples
-from ddtcore.gradient import BYTES, ELLIPSE_BYTES, PRICE, STOP_BYTES, colours_at, fit_gradient, price
+from ddtcore.gradient import BYTES, ELLIPSE_BYTES, PRICE, STOP_BYTES, Wanted, colours_at, fit_gradients, price
 from ddtcore.model import Gradient
+from ddtcore.samples import Samples
 
 BLUE, WHITE, RED, BROWN = (20, 40, 160), (255, 255, 255), (220, 30, 10), (90, 50, 10)
 TWO = ((0.0, BLUE, 1.0), (1.0, WHITE, 1.0))
@@ -32,6 +32,10 @@ GRADIENTS = [
     Gradient("radial", (160, 10), (20, 60), TWO), Gradient("radial", (55, 60), (55, 115), FADE),
     Gradient("radial", (60, 55), (110, 65), TWO, across=(54, 85)),
 ]
+
+
+def fit_gradient(samples, reach):
+    return fit_gradients([Wanted(samples, reach)])[0]
 
 
 def region():
@@ -67,6 +71,18 @@ def test_gradients_go_on_beyond_the_samples(gradient):
     inner = points[np.hypot(*(points - 60).T) < 44]
     off = colours_at(fit_gradient(painted(gradient, inner), points), points) - colours_at(gradient, points)
     assert np.abs(off).max() < 4
+
+
+def test_regions_do_not_matter_to_each_other():
+    points = region()
+    noise = np.random.RandomState(3).randint(-2, 3, (len(points), 3))
+    regions = [Wanted(some, points, kinds) for some in
+               (painted(gradient, points)._replace(colour=colours_at(gradient, points)[:, :3] + noise)
+                for gradient in GRADIENTS) for kinds in (3, 1)]
+    regions[4:4] = [Wanted(regions[0].samples._replace(colour=0 * noise), points)]
+    found = fit_gradients(regions)
+    assert found[4] is None and found == [fit_gradients([one])[0] for one in regions]
+    assert {gradient.kind for gradient in found[6::2]} == {"linear"}
 
 
 def test_stops_rise_from_the_first_to_one():

@@ -17,7 +17,7 @@ Y, X = np.mgrid[:SIZE, :SIZE] + 0.5
 
 def picture(value, inside):
     """A picture of a level at each pixel inside a mask, on white."""
-    image = np.full((SIZE, SIZE, 4), 255, np.uint8)
+    image = np.full((*np.shape(inside), 4), 255, np.uint8)
     level = np.rint(np.clip(value, 0, 255)).astype(np.uint8)
     image[..., :3] = np.where(inside, level, 255)[..., None]
     return image
@@ -97,6 +97,16 @@ def test_areas_with_the_strongest_slopes_are_marked():
     labels = Labels(index, np.full((4, 4), 255.0), np.zeros(index.shape, bool))
     marked = mark_slopes(prepare(picture(level, Y > 0)), labels)
     assert marked.ramp.tolist() == [False, False, False, True]
+
+
+def test_of_large_pictures_some_pixels_tell_the_same():
+    """Stripes of a picture that is larger than is looked at: flat, sloping by too little, sloping by enough."""
+    row, col = np.mgrid[:1000, :800]
+    index = (row // 250).astype(np.int32)
+    slope = np.choose(index, [0, 0.0005, 0.02, 0.1])
+    labels = Labels(index, np.full((4, 4), 255.0), np.zeros(index.shape, bool))
+    marked = mark_slopes(prepare(picture(90 + slope * col, row >= 0)), labels)
+    assert marked.ramp.tolist() == [False, False, True, True]
 
 
 def test_few_areas_are_marked():

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ddtcore.field import Samples
 from ddtcore.gradient import colours_at
 from ddtcore.model import Gradient
+from ddtcore.samples import Samples
 from ddtcore.tint import beneath, cheaper, strengthened, tinted
 
 STOPS = ((0.0, (255, 200, 40), 1.0), (0.4, (240, 150, 20), 1.0), (1.0, (200, 90, 0), 1.0))
