@@ -152,7 +152,7 @@ def _know(canvas: Canvas, grain: float) -> _Known:
 def _know_soft(soft: unsteady.Soft) -> _Known:
     """The same of a picture whose soft ramps were found under ripples."""
     canvas, slopes, found, plateaus, keys, noise = soft
-    return _Known(canvas, slopes, [*found], plateaus, keys, noise, noise / unsteady.LEFT, True, unsteady.SPECK, None)
+    return _Known(canvas, slopes, [*found], plateaus, keys, noise, noise / 2, True, unsteady.SPECK, None)
 
 
 def _label_rest(known: _Known) -> Labels:

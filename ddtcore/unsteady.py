@@ -8,14 +8,14 @@ up to the edges beside them.  What is left has few flat colours, as in other noi
 
 from __future__ import annotations
 
-from typing import List, NamedTuple, Optional, Tuple
+from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
 from .calm import calm
-from .canvas import RIM, Canvas
+from .canvas import RIM, Canvas, planes
 from .growing import FIT, Surface
-from .noise import REDUCED, ROUNDING, SLOPING, noisy_colours, sloping_area
+from .noise import REDUCED, ROUNDING, SLOPING, noisy_colours, sloping_area, unlike
 from .palette import Plateaus, find_plateaus
 from .ramps import find_ramps
 from .sides import window
@@ -34,11 +34,20 @@ RIPPLED, DITHERED = 1.4, 2.5
 SOFT = 24.0
 """Largest range of a channel within 7 x 7 pixels where zigzags are looked for, levels."""
 
-BEND = 5.0
+BEND = 3.0
 """Largest change of the step from pixel to pixel on a ramp without most of its ripples, levels."""
 
-LEFT = 2.0
+LEFT = 3.0
 """How much less pixels vary there at least."""
+
+PIECE = 128
+"""Smaller pieces of a ramp go to the one that they touch if that explains them, too, px²."""
+
+BLOCK = 4
+"""Contrast is told for squares with this side, and ripples reach two of them beyond, px."""
+
+STRONG = 192.0
+"""Contrast with which ripples are strongest, levels of a channel."""
 
 AREA = 64
 """Smallest ramp, px²."""
@@ -89,51 +98,86 @@ def find_soft(canvas: Canvas, noise: float) -> Optional[Soft]:
     share = zigzags(canvas) if noise > ROUNDING else 0.0
     if share < UNSTEADY:
         return None
-    noise *= _strength(canvas, share)
-    even = calm(canvas, noise)
+    noise, margins = _margins(canvas, noise, share)
+    even = calm(canvas, margins)
     slopes, count = find_ramps(even, BEND)
     if sloping_area(even, slopes) < SLOPING * slopes.size:
         return None
     slopes = slopes.copy()
-    size, steep = _steep(even, slopes, count, noise)
+    size, steep = _steep(even, slopes, [None] * count, margins)
     if size[steep].sum() < SLOPING * slopes.size:
         return None
     flat = np.append(~steep & (size >= FLAT), False)[slopes]
     renumber(slopes, _numbers(steep))
-    slopes, surfaces = separate(even, slopes, int(steep.sum()), ~flat, max(FIT, noise / LEFT))
-    size, steep = _steep(even, slopes, len(surfaces), noise)
-    steep &= [surface.gradient is not None for surface in surfaces]
+    slopes, surfaces = separate(even, slopes, int(steep.sum()), ~flat, max(FIT, noise / LEFT), PIECE)
+    size, steep = _steep(even, slopes, surfaces, margins)
     if size[steep].sum() < SLOPING * slopes.size:
         return None
     flat |= np.append(~steep & (size >= FLAT), False)[slopes]
     renumber(slopes, _numbers(steep))
     surfaces = [surface for surface, kept in zip(surfaces, steep.tolist()) if kept]
-    extend(even, slopes, surfaces, ~flat, noise)
+    extend(even, slopes, surfaces, ~flat, canvas.bare(margins))
     plateaus = find_plateaus(even, slopes >= 0)
     keys = noisy_colours(even, plateaus, noise, noise, slopes >= 0)
+    uneven = (slopes >= 0) | ((canvas.bare(margins) > noise / 2) & (share <= GRAINY))
+    more = noisy_colours(even, find_plateaus(even, uneven), noise / LEFT, noise, uneven)
+    keys = np.array(unlike(even, np.append(keys, more), 2 * noise / LEFT), np.uint32)
     return Soft(even, slopes, surfaces, plateaus, keys, noise)
 
 
-def _strength(canvas: Canvas, share: float) -> float:
-    """How much stronger than most the strongest ripples of a picture with a share of zigzags are."""
+def _margins(canvas: Canvas, noise: float, share: float) -> Tuple[float, np.ndarray]:
+    """How strong the strongest ripples are in a picture with a share of zigzags, levels, and those round each pixel (P,)."""
     if share > GRAINY:
-        return 1.0
-    return DITHERED if np.unique(canvas.keys).size <= REDUCED else RIPPLED
+        return noise, np.full(canvas.keys.size, noise)
+    if np.unique(canvas.keys).size <= REDUCED:
+        return DITHERED * noise, np.full(canvas.keys.size, DITHERED * noise)
+    return RIPPLED * noise, _beside_edges(canvas, RIPPLED * noise)
 
 
-def _steep(canvas: Canvas, slopes: np.ndarray, count: int, noise: float) -> Tuple[np.ndarray, np.ndarray]:
-    """Sizes of some ramps, and which of them are large and have more contrast than noise alone."""
-    size, steep = np.zeros(count, np.int64), np.zeros(count, bool)
-    for number, spans in enumerate(spans_of(slopes, count)):
+def _beside_edges(canvas: Canvas, noise: float) -> np.ndarray:
+    """How strong the ripples of a JPEG may be round each pixel, of which the strongest have `noise` levels, (P,).
+
+    They are the stronger, the more contrast there is near them.
+    """
+    values = planes(canvas.bare(canvas.keys), canvas.opaque)
+    rims = [(0, -size % BLOCK) for size in canvas.shape]
+    values = np.pad(values, [(0, 0), *rims], mode="edge")
+    blocks = values.reshape(len(values), values.shape[1] // BLOCK, BLOCK, -1, BLOCK)
+    span = (_extremes(blocks, np.maximum) - _extremes(blocks, np.minimum)).max(axis=0)
+    margin = noise * np.minimum(1 / LEFT + (1 - 1 / LEFT) / STRONG * span, 1)
+    margin = margin.repeat(BLOCK, axis=0).repeat(BLOCK, axis=1)
+    return np.pad(margin[:canvas.shape[0], :canvas.shape[1]], RIM, mode="edge").ravel()
+
+
+def _extremes(blocks: np.ndarray, extreme: np.ufunc) -> np.ndarray:
+    """Highest or lowest values (C, h, w) in blocks (C, h, n, w, n) and in the two rows and columns of blocks beside."""
+    out = extreme.reduce(blocks, axis=(2, 4))
+    for axis in (1, 2):
+        lines = out.swapaxes(1, axis)
+        padded = np.pad(lines, [(0, 0), (2, 2), (0, 0)], mode="edge")
+        out = extreme.reduce([padded[:, k:k + lines.shape[1]] for k in range(5)]).swapaxes(1, axis)
+    return out
+
+
+def _steep(canvas: Canvas, slopes: np.ndarray, surfaces: Sequence[Optional[Surface]],
+           margins: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Sizes of some ramps, and which of them are large and have more contrast than ripples alone.
+
+    The contrast is that of their surfaces, which have to be gradients, where they are known.
+    """
+    size, steep = np.zeros(len(surfaces), np.int64), np.zeros(len(surfaces), bool)
+    for number, (spans, surface) in enumerate(zip(spans_of(slopes, len(surfaces)), surfaces)):
         size[number] = spans.size
-        if spans.size >= AREA:
+        if spans.size >= AREA and (surface is None or surface.gradient):
             row, col = np.divmod(spans.every(-(-spans.size // _ASKED)), slopes.shape[1])
-            colour = canvas.colours(canvas.numbers(row, col))
+            cells = canvas.numbers(row, col)
+            colour = surface.colours(np.stack([col, row], axis=1) + 0.5).T if surface else canvas.colours(cells)
             low, high = np.percentile(colour, _ENDS, axis=1)
             most = int(np.argmax(high - low))
             share = (colour[most] - low[most]) / max(high[most] - low[most], 1.0)
             # Two flat colours have next to nothing between them.
-            steep[number] = high[most] - low[most] >= noise and np.mean(np.abs(share - 0.5) < 0.25) >= BETWEEN
+            between = np.mean(np.abs(share - 0.5) < 0.25)
+            steep[number] = high[most] - low[most] >= margins[cells].mean() and between >= BETWEEN
     return size, steep
 
 
