@@ -151,8 +151,12 @@ def _know(canvas: Canvas, grain: float) -> _Known:
 
 def _know_soft(soft: unsteady.Soft) -> _Known:
     """The same of a picture whose soft ramps were found under ripples."""
-    canvas, slopes, found, plateaus, keys, noise = soft
-    return _Known(canvas, slopes, [*found], plateaus, keys, noise, noise / 2, True, unsteady.SPECK, None)
+    canvas, slopes, found, plateaus, keys, noise, doubt = soft
+    labels = palette.known_labels(canvas, plateaus, keys, noise)
+    count, inks = overlays.add_drawn(canvas, slopes, found, keys, labels, doubt)
+    plateaus = palette.find_plateaus(canvas, slopes >= 0)
+    return _Known(canvas, slopes, [*found, *[None] * (count - len(found))], plateaus, _with_inks(canvas, keys, inks),
+                  noise, noise / 2, True, unsteady.SPECK, None)
 
 
 def _label_rest(known: _Known) -> Labels:

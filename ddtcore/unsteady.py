@@ -15,7 +15,7 @@ import numpy as np
 from .calm import calm
 from .canvas import RIM, Canvas, planes
 from .growing import FIT, Surface
-from .noise import REDUCED, ROUNDING, SLOPING, noisy_colours, sloping_area, unlike
+from .noise import REDUCED, ROUNDING, SLOPING, noisy_colours, unlike
 from .palette import Plateaus, find_plateaus
 from .ramps import find_ramps
 from .sides import window
@@ -83,6 +83,8 @@ class Soft(NamedTuple):
         The flat colours, packed.
     noise : float
         How far pixels may be from their colour, levels.
+    doubt : ndarray of shape (P,) and dtype float64
+        How far each pixel may be from the colour of its ramp, levels.
     """
 
     canvas: Canvas
@@ -91,6 +93,7 @@ class Soft(NamedTuple):
     plateaus: Plateaus
     keys: np.ndarray
     noise: float
+    doubt: np.ndarray
 
 
 def find_soft(canvas: Canvas, noise: float) -> Optional[Soft]:
@@ -101,8 +104,6 @@ def find_soft(canvas: Canvas, noise: float) -> Optional[Soft]:
     noise, margins = _margins(canvas, noise, share)
     even = calm(canvas, margins)
     slopes, count = find_ramps(even, BEND)
-    if sloping_area(even, slopes) < SLOPING * slopes.size:
-        return None
     slopes = slopes.copy()
     size, steep = _steep(even, slopes, [None] * count, margins)
     if size[steep].sum() < SLOPING * slopes.size:
@@ -119,10 +120,10 @@ def find_soft(canvas: Canvas, noise: float) -> Optional[Soft]:
     extend(even, slopes, surfaces, ~flat, canvas.bare(margins))
     plateaus = find_plateaus(even, slopes >= 0)
     keys = noisy_colours(even, plateaus, noise, noise, slopes >= 0)
-    uneven = (slopes >= 0) | ((canvas.bare(margins) > noise / 2) & (share <= GRAINY))
+    uneven = (slopes >= 0) | (canvas.bare(margins) > noise / 2)
     more = noisy_colours(even, find_plateaus(even, uneven), noise / LEFT, noise, uneven)
     keys = np.array(unlike(even, np.append(keys, more), 2 * noise / LEFT), np.uint32)
-    return Soft(even, slopes, surfaces, plateaus, keys, noise)
+    return Soft(even, slopes, surfaces, plateaus, keys, noise, margins / LEFT)
 
 
 def _margins(canvas: Canvas, noise: float, share: float) -> Tuple[float, np.ndarray]:
