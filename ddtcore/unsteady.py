@@ -49,6 +49,9 @@ BLOCK = 4
 STRONG = 192.0
 """Contrast with which ripples are strongest, levels of a channel."""
 
+DOT, DOTS = 96.0, 3
+"""What stands out more is no dot of dithering, levels; and the fewest dots in 5 x 5 pixels of an area with such."""
+
 AREA = 64
 """Smallest ramp, px²."""
 
@@ -131,8 +134,33 @@ def _margins(canvas: Canvas, noise: float, share: float) -> Tuple[float, np.ndar
     if share > GRAINY:
         return noise, np.full(canvas.keys.size, noise)
     if np.unique(canvas.keys).size <= REDUCED:
-        return DITHERED * noise, np.full(canvas.keys.size, DITHERED * noise)
+        return DITHERED * noise, np.maximum(_of_dots(canvas), DITHERED * noise)
     return RIPPLED * noise, _beside_edges(canvas, RIPPLED * noise)
+
+
+def _of_dots(canvas: Canvas) -> np.ndarray:
+    """How much the dots of dithering stand out round each pixel (P,), 0 where there are none.
+
+    A dot is darker, or lighter, than the four pixels beside it.
+    """
+    values = planes(canvas.keys.reshape(-1, canvas.stride), canvas.opaque)
+    here = values[:, 1:-1, 1:-1]
+    off = np.stack([values[:, :-2, 1:-1], values[:, 2:, 1:-1], values[:, 1:-1, :-2], values[:, 1:-1, 2:]]) - here
+    dot = (off.min(axis=0) >= _TURN) | (off.max(axis=0) <= -_TURN)
+    height = (np.abs(off).max(axis=0) * dot).max(axis=0)
+    height[height > DOT] = 0
+    height = np.pad(height, 1, mode="constant")
+    several = _filtered((height > 0)[None], np.add)[0] >= DOTS
+    return np.asarray((_filtered(height[None], np.maximum)[0] * several).ravel())
+
+
+def _filtered(values: np.ndarray, combine: np.ufunc) -> np.ndarray:
+    """Sums, or highest or lowest values, in 5 x 5 of planes (C, h, w)."""
+    for axis in (1, 2):
+        lines = values.swapaxes(1, axis)
+        padded = np.pad(lines, [(0, 0), (2, 2), (0, 0)], mode="edge").astype(np.float32)
+        values = combine.reduce([padded[:, k:k + lines.shape[1]] for k in range(5)]).swapaxes(1, axis)
+    return values
 
 
 def _beside_edges(canvas: Canvas, noise: float) -> np.ndarray:
@@ -144,20 +172,11 @@ def _beside_edges(canvas: Canvas, noise: float) -> np.ndarray:
     rims = [(0, -size % BLOCK) for size in canvas.shape]
     values = np.pad(values, [(0, 0), *rims], mode="edge")
     blocks = values.reshape(len(values), values.shape[1] // BLOCK, BLOCK, -1, BLOCK)
-    span = (_extremes(blocks, np.maximum) - _extremes(blocks, np.minimum)).max(axis=0)
+    high, low = (_filtered(extreme.reduce(blocks, axis=(2, 4)), extreme) for extreme in (np.maximum, np.minimum))
+    span = (high - low).max(axis=0)
     margin = noise * np.minimum(1 / LEFT + (1 - 1 / LEFT) / STRONG * span, 1)
     margin = margin.repeat(BLOCK, axis=0).repeat(BLOCK, axis=1)
     return np.pad(margin[:canvas.shape[0], :canvas.shape[1]], RIM, mode="edge").ravel()
-
-
-def _extremes(blocks: np.ndarray, extreme: np.ufunc) -> np.ndarray:
-    """Highest or lowest values (C, h, w) in blocks (C, h, n, w, n) and in the two rows and columns of blocks beside."""
-    out = extreme.reduce(blocks, axis=(2, 4))
-    for axis in (1, 2):
-        lines = out.swapaxes(1, axis)
-        padded = np.pad(lines, [(0, 0), (2, 2), (0, 0)], mode="edge")
-        out = extreme.reduce([padded[:, k:k + lines.shape[1]] for k in range(5)]).swapaxes(1, axis)
-    return out
 
 
 def _steep(canvas: Canvas, slopes: np.ndarray, surfaces: Sequence[Optional[Surface]],
