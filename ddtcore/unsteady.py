@@ -28,7 +28,7 @@ UNSTEADY = 0.006
 GRAINY = 0.42
 """Share of zigzags that only a grain makes, which is the same everywhere."""
 
-RIPPLED, DITHERED = 1.4, 2.5
+RIPPLED, DITHERED = 1.4, 2.0
 """How much stronger than most are the ripples beside edges in a JPEG, and the dots of colours far apart in a GIF."""
 
 SOFT = 24.0
@@ -106,6 +106,8 @@ def find_soft(canvas: Canvas, noise: float) -> Optional[Soft]:
         return None
     noise, margins = _margins(canvas, noise, share)
     even = calm(canvas, margins)
+    if np.unique(canvas.keys).size <= REDUCED:
+        even = calm(even, margins / 2)
     slopes, count = find_ramps(even, BEND)
     slopes = slopes.copy()
     size, steep = _steep(even, slopes, [None] * count, margins)
