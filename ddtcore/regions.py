@@ -151,12 +151,29 @@ def _know(canvas: Canvas, grain: float) -> _Known:
 
 def _know_soft(soft: unsteady.Soft) -> _Known:
     """The same of a picture whose soft ramps were found under ripples."""
-    canvas, slopes, found, plateaus, keys, noise, doubt = soft
+    canvas, slopes, found, plateaus, keys, noise, doubt, bled = soft
     labels = palette.known_labels(canvas, plateaus, keys, noise)
     count, inks = overlays.add_drawn(canvas, slopes, found, keys, labels, doubt)
     plateaus = palette.find_plateaus(canvas, slopes >= 0)
-    return _Known(canvas, slopes, [*found, *[None] * (count - len(found))], plateaus, _with_inks(canvas, keys, inks),
-                  noise, noise / 2, True, unsteady.SPECK, None)
+    keys, clear = _with_inks(canvas, keys, inks), None
+    if bled is not None:
+        labels, cells = palette.known_labels(canvas, plateaus, keys, noise), canvas.cells(~plateaus.core & (slopes < 0))
+        ridges = strokes.find_ridges(canvas, cells, noise / 2)
+        more = strokes.new_colours(canvas, cells, ridges, planes(keys, canvas.opaque), labels, noise / 2)
+        keys = np.append(keys, more)
+        drawn = wide(slopes >= len(found))
+        clear = bleeding.without_bleeding(bled, keys, noise / unsteady.RIPPLED, slopes, found)
+        clear = canvas = replace(canvas, keys=np.where(canvas.rimmed(drawn, False), canvas.keys, clear.keys))
+    return _Known(canvas, slopes, [*found, *[None] * (count - len(found))], plateaus, keys,
+                  noise, noise / 2, True, unsteady.SPECK, clear)
+
+
+def wide(mask: np.ndarray) -> np.ndarray:
+    """The pixels of a mask, and those within two of them."""
+    for axis in (0, 1):
+        lines = np.pad(mask.swapaxes(0, axis), [(2, 2), (0, 0)], mode="constant")
+        mask = np.logical_or.reduce([lines[k:len(lines) - 4 + k] for k in range(5)]).swapaxes(0, axis)
+    return mask
 
 
 def _label_rest(known: _Known) -> Labels:

@@ -97,6 +97,7 @@ class Soft(NamedTuple):
     keys: np.ndarray
     noise: float
     doubt: np.ndarray
+    bled: Optional[Canvas]
 
 
 def find_soft(canvas: Canvas, noise: float) -> Optional[Soft]:
@@ -128,7 +129,8 @@ def find_soft(canvas: Canvas, noise: float) -> Optional[Soft]:
     uneven = (slopes >= 0) | (canvas.bare(margins) > noise / 2)
     more = noisy_colours(even, find_plateaus(even, uneven), noise / LEFT, noise, uneven)
     keys = np.array(unlike(even, np.append(keys, more), 2 * noise / LEFT), np.uint32)
-    return Soft(even, slopes, surfaces, plateaus, keys, noise, margins / LEFT)
+    return Soft(even, slopes, surfaces, plateaus, keys, noise, margins / LEFT,
+                canvas if canvas.opaque and margins.min() < noise else None)
 
 
 def _margins(canvas: Canvas, noise: float, share: float) -> Tuple[float, np.ndarray]:
