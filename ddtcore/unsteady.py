@@ -107,8 +107,7 @@ def find_soft(canvas: Canvas, noise: float) -> Optional[Soft]:
         return None
     noise, margins = _margins(canvas, noise, share)
     even = calm(canvas, margins)
-    if np.unique(canvas.keys).size <= REDUCED:
-        even = calm(even, margins / 2)
+    even = calm(even, margins / 2)
     slopes, count = find_ramps(even, BEND)
     slopes = slopes.copy()
     size, steep = _steep(even, slopes, [None] * count, margins)
