@@ -186,4 +186,9 @@ def fitted_surface(points: np.ndarray, colour: np.ndarray) -> Surface:
     if gradient is None:
         middle = np.median(colour, axis=0)
         return Surface(lambda at: np.broadcast_to(middle, (len(at), len(middle))))
-    return Surface(lambda at: colours_at(gradient, at)[:, :colour.shape[1]], gradient)
+    return gradient_surface(gradient, colour.shape[1])
+
+
+def gradient_surface(gradient: Gradient, channels: int) -> Surface:
+    """A gradient as a surface, with 3 or 4 channels."""
+    return Surface(lambda at: colours_at(gradient, at)[:, :channels], gradient)

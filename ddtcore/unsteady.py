@@ -8,13 +8,14 @@ up to the edges beside them.  What is left has few flat colours, as in other noi
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
 from .calm import calm
 from .canvas import RIM, Canvas, planes
-from .growing import FIT, Surface
+from .growing import FIT, Surface, gradient_surface
 from .noise import REDUCED, ROUNDING, SLOPING, noisy_colours, unlike
 from .palette import Plateaus, find_plateaus
 from .ramps import find_ramps
@@ -121,7 +122,7 @@ def find_soft(canvas: Canvas, noise: float) -> Optional[Soft]:
         return None
     flat |= np.append(~steep & (size >= FLAT), False)[slopes]
     renumber(slopes, _numbers(steep))
-    surfaces = [surface for surface, kept in zip(surfaces, steep.tolist()) if kept]
+    surfaces = [_clipped(surface, 3 if canvas.opaque else 4, noise / 4) for surface, kept in zip(surfaces, steep.tolist()) if kept]
     extend(even, slopes, surfaces, ~flat, canvas.bare(margins))
     plateaus = find_plateaus(even, slopes >= 0)
     keys = noisy_colours(even, plateaus, noise, noise, slopes >= 0)
@@ -202,6 +203,16 @@ def _steep(canvas: Canvas, slopes: np.ndarray, surfaces: Sequence[Optional[Surfa
             between = np.mean(np.abs(share - 0.5) < 0.25)
             steep[number] = high[most] - low[most] >= margins[cells].mean() and between >= BETWEEN
     return size, steep
+
+
+def _clipped(surface: Surface, channels: int, margin: float) -> Surface:
+    """A surface with channels of its stops at 0 or 255 that are nearly so: noise moves them away from there only."""
+    gradient = surface.gradient
+    if gradient is None:
+        return surface
+    stops = tuple((offset, (*(0 if v <= margin else 255 if v >= 255 - margin else v for v in rgb),), opacity)
+                  for offset, rgb, opacity in gradient.stops)
+    return gradient_surface(replace(gradient, stops=stops), channels)
 
 
 def _numbers(kept: np.ndarray) -> np.ndarray:
