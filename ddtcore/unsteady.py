@@ -16,7 +16,7 @@ import numpy as np
 from .calm import calm
 from .canvas import RIM, Canvas, planes
 from .growing import FIT, Surface, gradient_surface
-from .noise import REDUCED, ROUNDING, SLOPING, noisy_colours, unlike
+from .noise import REDUCED, ROUNDING, noisy_colours, unlike
 from .palette import Plateaus, find_plateaus
 from .ramps import find_ramps
 from .sides import window
@@ -34,6 +34,9 @@ RIPPLED, DITHERED = 1.4, 2.0
 
 SOFT = 24.0
 """Largest range of a channel within 7 x 7 pixels where zigzags are looked for, levels."""
+
+SLOPING = 0.03
+"""Smallest share of a picture's area that its ramps have: less is better told with flat colours alone."""
 
 BEND = 3.0
 """Largest change of the step from pixel to pixel on a ramp without most of its ripples, levels."""
