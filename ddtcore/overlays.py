@@ -134,7 +134,7 @@ def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: 
     pays = np.bincount(area, off ** 2) >= PRICE * BYTES
     chosen = (size >= AREA) & pays & ~_flat(area, here, base, planes(keys, canvas.opaque))
     if doubt is not None:
-        chosen &= np.bincount(area, length(here - base) > CLEAR) < SHARE * size
+        chosen &= (np.bincount(area, length(here - base) > CLEAR) < SHARE * size) & (size >= WIDE)
     chosen = np.flatnonzero(chosen)
     chosen = chosen[np.argsort(-size[chosen], kind="stable")[:max(MANY - count, 0)]]
     thin, inks = _thin(Inks(canvas, cells, sides[..., drawn], samples[:, drawn] >= 0), area, chosen)
