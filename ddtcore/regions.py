@@ -154,21 +154,26 @@ def _know_soft(soft: unsteady.Soft) -> _Known:
     canvas, slopes, found, plateaus, keys, noise, doubt, bled = soft
     labels = palette.known_labels(canvas, plateaus, keys, noise)
     count, inks = overlays.add_drawn(canvas, slopes, found, keys, labels, doubt)
-    plateaus = palette.find_plateaus(canvas, slopes >= 0)
-    keys, clear = _with_inks(canvas, keys, inks), None
+    plateaus, keys, clear = palette.find_plateaus(canvas, slopes >= 0), _with_inks(canvas, keys, inks), None
     if bled is not None:
-        labels, cells = palette.known_labels(canvas, plateaus, keys, noise), canvas.cells(~plateaus.core & (slopes < 0))
-        ridges = strokes.find_ridges(canvas, cells, noise / 2)
-        more = strokes.new_colours(canvas, cells, ridges, planes(keys, canvas.opaque), labels, noise / 2)
-        keys = np.append(keys, more)
-        drawn = wide(slopes >= len(found))
+        keys = np.append(keys, _stroke_colours(canvas, slopes, plateaus, keys, noise))
+        drawn = canvas.rimmed(_widened(slopes >= len(found)), False)
         clear = bleeding.without_bleeding(bled, keys, noise / unsteady.RIPPLED, slopes, found)
-        clear = canvas = replace(canvas, keys=np.where(canvas.rimmed(drawn, False), canvas.keys, clear.keys))
+        clear = canvas = replace(canvas, keys=np.where(drawn, canvas.keys, clear.keys))
     return _Known(canvas, slopes, [*found, *[None] * (count - len(found))], plateaus, keys,
                   noise, noise / 2, True, unsteady.SPECK, clear)
 
 
-def wide(mask: np.ndarray) -> np.ndarray:
+def _stroke_colours(canvas: Canvas, slopes: np.ndarray, plateaus: palette.Plateaus, keys: np.ndarray,
+                    noise: float) -> np.ndarray:
+    """Packed colours that only thin strokes have."""
+    cells = canvas.cells(~plateaus.core & (slopes < 0))
+    labels = palette.known_labels(canvas, plateaus, keys, noise)
+    ridges = strokes.find_ridges(canvas, cells, noise / 2)
+    return strokes.new_colours(canvas, cells, ridges, planes(keys, canvas.opaque), labels, noise / 2)
+
+
+def _widened(mask: np.ndarray) -> np.ndarray:
     """The pixels of a mask, and those within two of them."""
     for axis in (0, 1):
         lines = np.pad(mask.swapaxes(0, axis), [(2, 2), (0, 0)], mode="constant")

@@ -99,7 +99,7 @@ def separate(canvas: Canvas, ramps: np.ndarray, count: int, free: np.ndarray,
     renumber(ramps, number)
     for window, mask, parts in pieces:
         ramps[window][mask] = parts
-    surfaces = _joined(canvas, ramps, surfaces, fit, piece)
+    surfaces = _joined(canvas, ramps, surfaces, fit, fit / 2 if piece == AREA else fit)
     extend(canvas, ramps, surfaces, free, fit)
     return ramps, surfaces
 
@@ -117,7 +117,8 @@ def _pixels(canvas: Canvas, cells: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     return np.stack([col, row], axis=1) + 0.5, canvas.colours(canvas.numbers(row, col)).T
 
 
-def _joined(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], fit: float, piece: int) -> List[Surface]:
+def _joined(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], fit: float,
+            joint: float) -> List[Surface]:
     """Join ramps that meet without a jump, in place, where one gradient explains both: a stop lies between them."""
     members = spans_of(ramps, len(surfaces))
     into = list(range(len(surfaces)))
@@ -127,7 +128,7 @@ def _joined(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], fit: flo
         if one == other or np.median(np.abs(off).max(axis=1)) > 2 * fit:
             continue
         both = members[one].and_those_of(members[other])
-        surface, good = _whole(canvas, both, fit / (2 if piece == AREA else 1))
+        surface, good = _whole(canvas, both, joint)
         if good and surface.gradient is not None:
             members[one], surfaces[one] = both, surface
             into = [one if k == other else k for k in into]

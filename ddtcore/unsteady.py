@@ -89,9 +89,11 @@ class Soft(NamedTuple):
     keys : ndarray of shape (K,) and dtype uint32
         The flat colours, packed.
     noise : float
-        How far pixels may be from their colour, levels.
+        How far pixels of flat areas may be from their colour, levels.
     doubt : ndarray of shape (P,) and dtype float64
         How far each pixel may be from the colour of its ramp, levels.
+    bled : Canvas, optional
+        The picture as it came, if its hue may have bled over edges.
     """
 
     canvas: Canvas
@@ -125,19 +127,28 @@ def find_soft(canvas: Canvas, noise: float) -> Optional[Soft]:
         return None
     flat |= np.append(~steep & (size >= FLAT), False)[slopes]
     renumber(slopes, _numbers(steep))
-    surfaces = [_clipped(surface, 3 if canvas.opaque else 4, noise / 4) for surface, kept in zip(surfaces, steep.tolist()) if kept]
+    surfaces = [_clipped(surfaces[number], 3 if canvas.opaque else 4, noise / 4) for number in np.flatnonzero(steep)]
     extend(even, slopes, surfaces, ~flat, canvas.bare(margins))
     plateaus = find_plateaus(even, slopes >= 0)
-    keys = noisy_colours(even, plateaus, noise, noise, slopes >= 0)
-    uneven = (slopes >= 0) | (canvas.bare(margins) > noise / 2)
-    more = noisy_colours(even, find_plateaus(even, uneven), noise / LEFT, noise, uneven)
-    keys = np.array(unlike(even, np.append(keys, more), 2 * noise / LEFT), np.uint32)
-    return Soft(even, slopes, surfaces, plateaus, keys, noise, margins / LEFT,
-                canvas if canvas.opaque and margins.min() < noise else None)
+    keys = _flat_colours(even, plateaus, slopes >= 0, noise, margins)
+    bled = canvas if canvas.opaque and margins.min() < noise else None
+    return Soft(even, slopes, surfaces, plateaus, keys, noise, margins / LEFT, bled)
+
+
+def _flat_colours(canvas: Canvas, plateaus: Plateaus, ramps: np.ndarray, noise: float,
+                  margins: np.ndarray) -> np.ndarray:
+    """The flat colours apart from the ramps (H, W), packed: where there are few ripples, nearly alike ones, too."""
+    keys = noisy_colours(canvas, plateaus, noise, noise, ramps)
+    rippled = ramps | (canvas.bare(margins) > noise / 2)
+    more = noisy_colours(canvas, find_plateaus(canvas, rippled), noise / LEFT, noise, rippled)
+    return np.array(unlike(canvas, np.append(keys, more), 2 * noise / LEFT), np.uint32)
 
 
 def _margins(canvas: Canvas, noise: float, share: float) -> Tuple[float, np.ndarray]:
-    """How strong the strongest ripples are in a picture with a share of zigzags, levels, and those round each pixel (P,)."""
+    """How strong ripples are at most in a picture with a share of zigzags, and round each pixel (P,), levels.
+
+    Most have `noise` levels.  A grain is the same everywhere.
+    """
     if share > GRAINY:
         return noise, np.full(canvas.keys.size, noise)
     if np.unique(canvas.keys).size <= REDUCED:
@@ -213,8 +224,12 @@ def _clipped(surface: Surface, channels: int, margin: float) -> Surface:
     gradient = surface.gradient
     if gradient is None:
         return surface
-    stops = tuple((offset, (*(0 if v <= margin else 255 if v >= 255 - margin else v for v in rgb),), opacity)
-                  for offset, rgb, opacity in gradient.stops)
+
+    def clipped(level: int) -> int:
+        return 0 if level <= margin else 255 if level >= 255 - margin else level
+
+    stops = tuple((offset, (clipped(red), clipped(green), clipped(blue)), opacity)
+                  for offset, (red, green, blue), opacity in gradient.stops)
     return gradient_surface(replace(gradient, stops=stops), channels)
 
 
