@@ -10,11 +10,12 @@ decided by how well their mixes explain the picture, after their hue has bled as
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Tuple
+from typing import Optional, Sequence, Tuple, Union
 
 import numpy as np
 
 from .canvas import RIM, Canvas, planes
+from .growing import Surface
 
 LEFT = 0.75
 """How much pixels vary when mixes have taken their place, as a share of what they did."""
@@ -44,7 +45,8 @@ _SAMPLE = 64
 _PART = 128
 
 
-def without_bleeding(canvas: Canvas, keys: np.ndarray, noise: float) -> Canvas:
+def without_bleeding(canvas: Canvas, keys: np.ndarray, noise: float, slopes: Optional[np.ndarray] = None,
+                     surfaces: Sequence[Surface] = ()) -> Canvas:
     """The picture with mixes of two of its colours in place of pixels that are nearly such.
 
     Parameters
@@ -55,22 +57,28 @@ def without_bleeding(canvas: Canvas, keys: np.ndarray, noise: float) -> Canvas:
         Its colours, packed, the most important ones first.
     noise : float
         How far pixels of flat areas are from their colour, levels.
+    slopes : ndarray of shape (H, W), optional
+        Number of the ramp of each pixel, others than those from 0 on where there is none.
+    surfaces : sequence of Surface
+        The colours of the ramps.
     """
     colours = planes(keys[:COLOURS], True)
+    paints = [*colours.T, *surfaces[:COLOURS]]
     tiles, near = _tiles(canvas), _colours_near(canvas, colours, noise)
+    if slopes is not None and surfaces:
+        near = np.concatenate([near, [_met(slopes == number, _RIM) for number in range(len(paints) - len(near))]])
     busy = np.argwhere(near.sum(axis=0) > 1)
     if not len(busy):
         return canvas
     some = busy[np.linspace(0, len(busy) - 1, min(len(busy), _SAMPLE)).astype(int)]
-    row, col = some.T
-    costs = [_explained(tiles[row, col], near[:, row, col], colours, bled)[1].sum() for bled in (True, False)]
+    costs = [_explained(tiles, near, paints, some, bled)[1].sum() for bled in (True, False)]
     keys = np.pad(canvas.bare(canvas.keys), [(0, -size % TILE) for size in canvas.shape], mode="constant")
     squares = keys.reshape(near.shape[1], TILE, near.shape[2], TILE).swapaxes(1, 2)
-    for row, col in (busy[k:k + _PART].T for k in range(0, len(busy), _PART)):
-        colour = tiles[row, col]
-        mixed, _, off = _explained(colour, near[:, row, col], colours, bool(costs[0] < costs[1]), SURE * noise)
+    for some in (busy[k:k + _PART] for k in range(0, len(busy), _PART)):
+        row, col = some.T
+        mixed, _, off = _explained(tiles, near, paints, some, bool(costs[0] < costs[1]), SURE * noise)
         rgba = np.full((*off.shape, 4), 255, np.uint8)
-        kept = np.where((off <= FOREIGN * noise)[:, None], np.rint(mixed), colour[..., _INNER, _INNER])
+        kept = np.where((off <= FOREIGN * noise)[:, None], np.rint(mixed), tiles[row, col][..., _INNER, _INNER])
         rgba[..., :3] = np.moveaxis(kept, 1, -1)
         squares[row, col] = rgba.view(np.uint32)[..., 0]
     return replace(canvas, keys=np.pad(keys[:canvas.shape[0], :canvas.shape[1]], RIM, mode="edge").ravel())
@@ -90,27 +98,35 @@ def _tiles(canvas: Canvas) -> np.ndarray:
 def _colours_near(canvas: Canvas, colours: np.ndarray, noise: float) -> np.ndarray:
     """Which colours occur in squares or in those beside them, bool (K, rows, columns)."""
     values = planes(canvas.bare(canvas.keys), True)
-    rims = [(0, -size % TILE) for size in canvas.shape]
-    found = []
-    for colour in colours.T:
-        alike = np.pad((np.abs(values - colour[:, None, None]) <= noise).all(axis=0), rims, mode="constant")
-        has = alike.reshape(alike.shape[0] // TILE, TILE, -1, TILE).any(axis=(1, 3))
-        framed = np.pad(has, 1, mode="constant")
-        found.append(np.any([framed[down:down + has.shape[0], across:across + has.shape[1]]
-                             for down in range(3) for across in range(3)], axis=0))
-    return np.array(found).reshape(-1, *(-(-size // TILE) for size in canvas.shape))
+    found = [_met((np.abs(values - colour[:, None, None]) <= noise).all(axis=0), TILE) for colour in colours.T]
+    return np.array(found, bool).reshape(-1, *(-(-size // TILE) for size in canvas.shape))
 
 
-def _explained(colour: np.ndarray, near: np.ndarray, colours: np.ndarray, bled: bool,
-               sure: float = 0.0) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _met(mask: np.ndarray, reach: int) -> np.ndarray:
+    """Which squares have pixels of a mask (H, W) in them or within reach, bool (rows, columns)."""
+    rims = [(reach + 1, reach + -size % TILE) for size in mask.shape]
+    total = np.pad(mask, rims, mode="constant").astype(np.int32).cumsum(axis=0).cumsum(axis=1)
+    low = [np.arange(0, size, TILE) for size in mask.shape]
+    high = [start + TILE + 2 * reach for start in low]
+    met: np.ndarray = (total[np.ix_(*high)] + total[np.ix_(*low)] - total[np.ix_(low[0], high[1])]
+                       - total[np.ix_(high[0], low[1])]) > 0
+    return met
+
+
+def _explained(tiles: np.ndarray, near: np.ndarray, paints: Sequence[Union[np.ndarray, Surface]], places: np.ndarray,
+               bled: bool, sure: float = 0.0) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The best mixes in some squares, what they cost, and how far they are from the picture.
 
     Parameters
     ----------
-    colour : ndarray of shape (n, 3, S, S)
-        The squares with what lies round them.
-    near : ndarray of shape (K, n) and dtype bool
-        Which of the `colours` (3, K) are asked for each.
+    tiles : ndarray of shape (rows, columns, 3, S, S)
+        All squares with what lies round them.
+    near : ndarray of shape (K, rows, columns) and dtype bool
+        Which of the paints are asked for each.
+    paints : sequence of length K of ndarray of shape (3,) or Surface
+        Flat colours and those of ramps.
+    places : ndarray of shape (n, 2)
+        Rows and columns of the squares.
     bled : bool
         Whether hue bleeds.
     sure : float
@@ -122,38 +138,65 @@ def _explained(colour: np.ndarray, near: np.ndarray, colours: np.ndarray, bled: 
     cost, off : ndarray of shape (n, TILE, TILE) and dtype float32
         `off` is in levels, and infinite where there are no two colours.
     """
+    row, col = places.T
+    colour, near = tiles[row, col], near[:, row, col]
     least = np.full((len(colour), TILE, TILE), np.inf, np.float32)
     off, mixed = least.copy(), np.zeros((len(colour), 3, TILE, TILE), np.float32)
+    painted = [_painted(paint, places, asked) for paint, asked in zip(paints, near)]
     for one, other in zip(*np.triu_indices(len(near), 1)):
         some = np.flatnonzero(near[one] & near[other])
         if not some.size:
             continue
-        a, b = colours[:, one], colours[:, other]
+        a, b = (painted[k] if len(painted[k]) < len(near[k]) else painted[k][some] for k in (one, other))
         share, cost, away = _mixes(colour[some], a, b, bled)
-        end = min(sure / max(np.abs(b - a).max(), 1), 0.5)
+        a, b = _inner(a), _inner(b)
+        end = np.minimum(sure / np.maximum(np.abs(b - a).max(axis=1), 1), 0.5)
         share[share < end], share[share > 1 - end] = 0, 1
         better = cost < least[some]
         least[some], off[some] = np.where(better, (cost, away), (least[some], off[some]))
-        mixes = a[:, None, None] + share[:, None] * (b - a)[:, None, None]
-        mixed[some] = np.where(better[:, None], mixes, mixed[some])
+        mixed[some] = np.where(better[:, None], a + share[:, None] * (b - a), mixed[some])
     return mixed, least, off
+
+
+def _painted(paint: Union[np.ndarray, Surface], places: np.ndarray, asked: np.ndarray) -> np.ndarray:
+    """The colours of a paint in squares with what lies round them, as far as they are `asked`, float32 (n, 3, S, S).
+
+    Those of a flat colour are (1, 3, 1, 1).
+    """
+    if isinstance(paint, np.ndarray):
+        return paint.reshape(1, 3, 1, 1)
+    side = TILE + 2 * _RIM
+    out = np.zeros((len(places), 3, side, side), np.float32)
+    row, col = (TILE * start[:, None] + np.arange(side) - _RIM for start in places[asked].T)
+    shape = len(row), side, side
+    points = np.stack([np.broadcast_to(col[:, None], shape), np.broadcast_to(row[:, :, None], shape)], axis=-1) + 0.5
+    out[asked] = np.moveaxis(paint.colours(points.reshape(-1, 2)).reshape(*shape, 3), -1, 1)
+    return out
+
+
+def _inner(colours: np.ndarray) -> np.ndarray:
+    """Colours (n, 3, S, S) without what lies round the squares."""
+    return colours if colours.shape[-1] == 1 else colours[..., _INNER, _INNER]
 
 
 def _mixes(colour: np.ndarray, a: np.ndarray, b: np.ndarray,
            bled: bool) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Shares of b in mixes with a, what they cost, and how far the mixes are from the picture, (n, TILE, TILE)."""
-    span, step = b - a, _LUMA.dot(b - a)
+    span = b - a
+    step = np.tensordot(_LUMA, span, (0, 1))[:, None]
     # Brightness, and a little of the hue, in case there is no difference in brightness.
-    weights = step * _LUMA + _HUE ** 2 * (span - step - (span - step).sum() * _LUMA)
-    weights = weights / max(weights.dot(span), 1e-6)
-    share = np.clip(np.einsum("c,nchw->nhw", weights, colour) - weights.dot(a), 0, 1)
+    luma = _LUMA[:, None, None]
+    weights = step * luma + _HUE ** 2 * (span - step - (span - step).sum(axis=1, keepdims=True) * luma)
+    weights = weights / np.maximum((weights * span).sum(axis=1, keepdims=True), 1e-6)
+    seen = np.einsum("nchw,nchw->nhw", np.broadcast_to(weights, colour.shape), colour)
+    share = np.clip(seen - (weights * a).sum(axis=1), 0, 1)
     hue = _bled(share) if bled else share
     off = np.zeros_like(share)
     for channel in range(3):
-        seen = np.clip(a[channel] + step * share + (span[channel] - step) * hue, 0, 255)
-        np.maximum(off, np.abs(seen - colour[:, channel]), out=off)
+        own = a[:, channel] + step[:, 0] * share + (span[:, channel] - step[:, 0]) * hue
+        np.maximum(off, np.abs(np.clip(own, 0, 255) - colour[:, channel]), out=off)
     # Of what explains as much, that is right which mixes less.
-    square = np.minimum(off, _CAP) ** 2 + _MIXED * span.dot(span) * share * (1 - share)
+    square = np.minimum(off, _CAP) ** 2 + _MIXED * (span * span).sum(axis=1) * share * (1 - share)
     share, off = share[:, _INNER, _INNER], off[:, _INNER, _INNER]
     return share, _means(square) + _OWN * square[:, _INNER, _INNER], off
 

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Optional, Tuple
+from typing import Optional, Tuple, Union
 
 import numpy as np
 
@@ -51,25 +51,26 @@ def without_grain(canvas: Canvas) -> Optional[Tuple[Canvas, float]]:
     return (even, grain) if flat else None
 
 
-def calm(canvas: Canvas, noise: float) -> Canvas:
-    """Average away what pixels vary by, up to `noise` levels.
+def calm(canvas: Canvas, noise: Union[float, np.ndarray]) -> Canvas:
+    """Average away what pixels vary by, up to `noise` levels, for all of them or for each, (P,).
 
     A sigma filter (Lee, "Digital image smoothing and the sigma filter", 1983), twice: means
     of 3 x 3 pixels tell better than the pixels themselves which of 5 x 5 are alike.
     """
     rgba = unpack(canvas.keys).copy()
     values = np.ascontiguousarray(rgba.T).astype(np.int16)
-    guide = _means(values, values, canvas.stride, 1, noise)
-    rgba[...] = _means(values, guide, canvas.stride, 2, noise / 2).T
+    guide = _means(values, values, canvas.stride, 1, np.asarray(noise))
+    rgba[...] = _means(values, guide, canvas.stride, 2, np.asarray(noise) / 2).T
     return replace(canvas, keys=rgba.view(np.uint32)[:, 0])
 
 
-def _means(values: np.ndarray, guide: np.ndarray, stride: int, reach: int, margin: float) -> np.ndarray:
+def _means(values: np.ndarray, guide: np.ndarray, stride: int, reach: int, margin: np.ndarray) -> np.ndarray:
     """Mean values (C, P) of the pixels within `reach` whose guides differ by no more than a margin."""
+    margin = np.broadcast_to(np.floor(margin).astype(np.int16), values.shape[1:])
     total, count = values.copy(), np.ones(values.shape[1], np.int16)
     for step in window(stride, 1, reach):
         if step > 0:
-            like = np.abs(guide[:, step:] - guide[:, :-step]).max(axis=0) <= margin
+            like = np.abs(guide[:, step:] - guide[:, :-step]).max(axis=0) <= margin[step:]
             count[step:] += like
             count[:-step] += like
             total[:, step:] += values[:, :-step] * like

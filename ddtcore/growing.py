@@ -196,4 +196,9 @@ def _surface(gradient: Optional[Gradient], middle: np.ndarray) -> Surface:
     """A gradient, or else a colour (C,), as a surface."""
     if gradient is None:
         return Surface(lambda at: np.broadcast_to(middle, (len(at), len(middle))))
-    return Surface(lambda at: colours_at(gradient, at)[:, :len(middle)], gradient)
+    return gradient_surface(gradient, len(middle))
+
+
+def gradient_surface(gradient: Gradient, channels: int) -> Surface:
+    """A gradient as a surface, with 3 or 4 channels."""
+    return Surface(lambda at: colours_at(gradient, at)[:, :channels], gradient)

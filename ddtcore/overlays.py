@@ -52,6 +52,12 @@ SLIDE, SLIDES = 3.0, 3
 OWN = 0.7
 """Drawn with a flat colour of the picture is what holds at least this share of it."""
 
+BLEEDING = 0.2
+"""How far off mixes are in a picture that is not clean, as a share of the contrast of their sides."""
+
+CLEAR, SHARE = 60.0, 0.1
+"""In such a picture a stroke with this share of pixels that stand out more has an ink that can be told, levels."""
+
 _PLAIN = 0.25
 
 
@@ -75,7 +81,7 @@ def flat_colours(canvas: Canvas, plateaus: Plateaus) -> np.ndarray:
 
 
 def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: np.ndarray,
-              labels: np.ndarray) -> Tuple[int, np.ndarray]:
+              labels: np.ndarray, doubt: Optional[np.ndarray] = None) -> Tuple[int, np.ndarray]:
     """Number the things drawn on ramps like further ramps, in place.
 
     Parameters
@@ -88,6 +94,8 @@ def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: 
         Colours of large plateaus, packed.
     labels : ndarray of shape (P,) and dtype int16
         Which of them each pixel has, with the rim, else negative; not to be used any more.
+    doubt : ndarray of shape (P,), optional
+        How far pixels of a picture that is not clean may be from the colours they should have, levels.
 
     Returns
     -------
@@ -113,6 +121,8 @@ def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: 
     nearest = beside[:, some].argmax(axis=0), np.arange(cells.size)
     base, ramp = sides[(slice(None), *nearest)], known[samples[nearest]]
     off = unexplained(here, sides, samples)
+    if doubt is not None:
+        off -= doubt[cells] + BLEEDING * _contrast(sides, samples)
     drawn = np.flatnonzero(off > FAINT)
     cells, here, base, off = cells[drawn], here[:, drawn], base[:, drawn], off[drawn]
     area = _areas(canvas, cells, here - base)
@@ -122,7 +132,10 @@ def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: 
     area = part_astride(canvas, cells, area, ramp[drawn], surfaces)
     size = np.bincount(area)
     pays = np.bincount(area, off ** 2) >= PRICE * BYTES
-    chosen = np.flatnonzero((size >= AREA) & pays & ~_flat(area, here, base, planes(keys, canvas.opaque)))
+    chosen = (size >= AREA) & pays & ~_flat(area, here, base, planes(keys, canvas.opaque))
+    if doubt is not None:
+        chosen &= (np.bincount(area, length(here - base) > CLEAR) < SHARE * size) & (size >= WIDE)
+    chosen = np.flatnonzero(chosen)
     chosen = chosen[np.argsort(-size[chosen], kind="stable")[:max(MANY - count, 0)]]
     thin, inks = _thin(Inks(canvas, cells, sides[..., drawn], samples[:, drawn] >= 0), area, chosen)
     chosen = chosen[~thin]
@@ -174,6 +187,13 @@ def unexplained(here: np.ndarray, sides: np.ndarray, samples: np.ndarray) -> np.
             distance, _ = segment_distance(here[:, both], sides[:, i, both], sides[:, j, both])
             nearest[both] = np.minimum(nearest[both], distance)
     return nearest
+
+
+def _contrast(sides: np.ndarray, samples: np.ndarray) -> np.ndarray:
+    """How much the sides (C, SLOTS, N) of each pixel differ, levels: the largest range of a channel."""
+    present = samples >= 0
+    span = np.where(present, sides, -np.inf).max(axis=1) - np.where(present, sides, np.inf).min(axis=1)
+    return np.asarray(span.max(axis=0))
 
 
 def _areas(canvas: Canvas, cells: np.ndarray, off: np.ndarray) -> np.ndarray:

@@ -9,7 +9,7 @@ plateaus, then every pixel in between goes to the nearer of its two sides.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import List, Optional, Tuple
+from typing import List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
@@ -92,7 +92,7 @@ def _label_grainy(canvas: Canvas, most: int) -> Labels:
     plateaus = palette.find_plateaus(canvas, np.zeros(canvas.shape, bool))
     soft = unsteady.find_soft(canvas, ripple_level(canvas, plateaus.core))
     if soft:
-        return _label_soft(soft)
+        return _label_rest(_know_soft(soft))
     calmed = without_grain(canvas)
     return label_flat_art(*calmed) if calmed else posterise(canvas, most)
 
@@ -102,13 +102,33 @@ def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
 
     `grain` is how strong the grain was that was taken out of it, levels.
     """
+    return _label_rest(_know(canvas, grain))
+
+
+class _Known(NamedTuple):
+    """What is known of a picture before the pixels between its flat areas and ramps are labelled."""
+
+    canvas: Canvas
+    slopes: np.ndarray
+    found: List[Optional[Surface]]
+    plateaus: palette.Plateaus
+    keys: np.ndarray
+    noise: float             # how far pixels may be from their colour, levels
+    doubt: float             # the same for pixels on edges
+    rippled: bool
+    speck: float             # regions smaller than this are ripples, px²
+    clear: Optional[Canvas]  # the picture as edges are to be told from it, if that is not as it came
+
+
+def _know(canvas: Canvas, grain: float) -> _Known:
+    """Find the flat colours and soft ramps of a picture, without its ripples if it has such."""
     slopes, count = ramps.find_ramps(canvas)
     found: List[Optional[Surface]] = [None] * count
     plateaus = palette.find_plateaus(canvas, slopes >= 0)
     noise, rippled = (grain / LEFT, True) if grain else noise_level(canvas, plateaus.core, slopes)
     soft = unsteady.find_soft(canvas, ripple_level(canvas, plateaus.core)) if rippled and not grain else None
     if soft:
-        return _label_soft(soft)
+        return _know_soft(soft)
     inks, clear = np.zeros(0, np.uint32), None
     if noise > ROUNDING and not grain and ringing.is_ringing(canvas, plateaus.core):
         (canvas, inks), noise = ringing.without_ringing(canvas), ringing.LEFT
@@ -117,21 +137,59 @@ def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
         noise, rippled, keys = ROUNDING, False, plain
     elif noise > ROUNDING:
         # The ramps are ripples of flat colours.
-        slopes, count = ramps.no_ramps(canvas.shape), 0
+        slopes, found = ramps.no_ramps(canvas.shape), []
         plateaus = palette.find_plateaus(canvas, slopes >= 0)
         keys = _with_inks(canvas, noisy_colours(canvas, plateaus, noise, grain or noise), inks)
         if canvas.opaque and not grain and noise > ringing.LEFT:
             clear = canvas = bleeding.without_bleeding(canvas, keys, noise)
     else:
         slopes, found, plateaus, inks = _surfaces(canvas, slopes, count, plateaus)
-        count = len(found)
-        keys = _with_inks(canvas, palette.choose_colours(canvas, plateaus, count > 0), inks)
+        keys = _with_inks(canvas, palette.choose_colours(canvas, plateaus, bool(found)), inks)
+    doubt = noise if clear is None else noise * bleeding.LEFT
+    return _Known(canvas, slopes, found, plateaus, keys, noise, doubt, rippled, SPECK, clear)
+
+
+def _know_soft(soft: unsteady.Soft) -> _Known:
+    """The same of a picture whose soft ramps were found under ripples."""
+    canvas, slopes, found, plateaus, keys, noise, doubt, bled = soft
+    labels = palette.known_labels(canvas, plateaus, keys, noise)
+    count, inks = overlays.add_drawn(canvas, slopes, found, keys, labels, doubt)
+    plateaus, keys, clear = palette.find_plateaus(canvas, slopes >= 0), _with_inks(canvas, keys, inks), None
+    if bled is not None:
+        keys = np.append(keys, _stroke_colours(canvas, slopes, plateaus, keys, noise))
+        drawn = canvas.rimmed(_widened(slopes >= len(found)), False)
+        clear = bleeding.without_bleeding(bled, keys, noise / unsteady.RIPPLED, slopes, found)
+        clear = canvas = replace(canvas, keys=np.where(drawn, canvas.keys, clear.keys))
+    return _Known(canvas, slopes, [*found, *[None] * (count - len(found))], plateaus, keys,
+                  noise, noise / 2, True, unsteady.SPECK, clear)
+
+
+def _stroke_colours(canvas: Canvas, slopes: np.ndarray, plateaus: palette.Plateaus, keys: np.ndarray,
+                    noise: float) -> np.ndarray:
+    """Packed colours that only thin strokes have."""
+    cells = canvas.cells(~plateaus.core & (slopes < 0))
+    labels = palette.known_labels(canvas, plateaus, keys, noise)
+    ridges = strokes.find_ridges(canvas, cells, noise / 2)
+    return strokes.new_colours(canvas, cells, ridges, planes(keys, canvas.opaque), labels, noise / 2)
+
+
+def _widened(mask: np.ndarray) -> np.ndarray:
+    """The pixels of a mask, and those within two of them."""
+    for axis in (0, 1):
+        lines = np.pad(mask.swapaxes(0, axis), [(2, 2), (0, 0)], mode="constant")
+        mask = np.logical_or.reduce([lines[k:len(lines) - 4 + k] for k in range(5)]).swapaxes(0, axis)
+    return mask
+
+
+def _label_rest(known: _Known) -> Labels:
+    """Label the strokes and edges of a picture, too."""
+    canvas, slopes, found, plateaus, keys, noise, doubt, rippled, speck, clear = known
+    count = len(found)
     if not keys.size and not count:
         return posterise(canvas, MANY)
-
     labels = palette.known_labels(canvas, plateaus, keys, noise)
     cells = canvas.cells(~plateaus.core & (slopes < 0))
-    doubt = max(noise * (1 if clear is None else bleeding.LEFT), mixing_error(canvas, labels, cells))
+    doubt = max(doubt, mixing_error(canvas, labels, cells))
     rippled |= doubt > QUANTISED
     ridges = strokes.find_ridges(canvas, cells, doubt)
     more = strokes.new_colours(canvas, cells, ridges, planes(keys, canvas.opaque), labels, doubt)
@@ -146,54 +204,29 @@ def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
     if count:
         # What is drawn on ramps is narrow, and so are its pieces.
         wide = sum(surface is not None for surface in found)
-        ramps.absorb_pieces(canvas, labels, np.where(slopes < wide, slopes, -1), ramps.PIECE)
-        ramps.absorb_pieces(canvas, labels, slopes, overlays.WIDE)
+        soft = max(ramps.SOFT, 2 * noise)
+        ramps.absorb_pieces(canvas, labels, np.where(slopes < wide, slopes, -1), ramps.PIECE, soft)
+        ramps.absorb_pieces(canvas, labels, slopes, overlays.WIDE, soft)
         canvas.bare(labels)[slopes >= 0] = slopes[slopes >= 0] + keys.size
         colours = np.concatenate([colours, mean_colours(canvas, slopes)])
 
     # A large picture should not be held more often than needed.
-    del slopes, plateaus
+    del known, slopes, plateaus
     thin, specks = _label_unknown(canvas, labels, ridges, keys, colours, doubt)
+    found = [*[None] * keys.size, *found]
     if count:
-        scraps.join_scraps(canvas, labels, canvas.mixing(colours), [*[None] * keys.size, *found], thin)
-    gradients = [None if surface is None else surface.gradient for surface in found[:count]]
+        scraps.join_scraps(canvas, labels, canvas.mixing(colours), found, thin)
     index, thin = (np.ascontiguousarray(canvas.bare(plane)) for plane in (labels, thin))
     del labels
     result = Labels(index=index, palette=colours, thin=thin, ramp=np.arange(len(colours)) >= keys.size,
-                    gradients=(*[None] * keys.size, *gradients),
+                    gradients=tuple(surface and surface.gradient for surface in found),
                     clear=None if clear is None else unpack(clear.bare(clear.keys)))
     result = merging.merge_twins(result, canvas.mixing(colours))
-    if noise > ROUNDING and rippled and clear is None:
+    if noise > ROUNDING and rippled and clear is None and not count:
         result = uneven.join_slopes(canvas, result, noise)
     if specks > DITHER * cells.size + 10:
-        return merging.merge_specks(result, SPECK)
-    return _merge_ripples(canvas, result, noise) if rippled else merging.drop_unused(result)
-
-
-def _label_soft(soft: unsteady.Soft) -> Labels:
-    """Label a picture whose soft ramps and flat colours are known, but for ripples."""
-    canvas, slopes, found, plateaus, keys, noise = soft
-    labels = palette.known_labels(canvas, plateaus, keys, noise)
-    cells = canvas.cells(~plateaus.core & (slopes < 0))
-    doubt = max(noise / unsteady.LEFT, mixing_error(canvas, labels, cells))
-    ridges = strokes.find_ridges(canvas, cells, doubt)
-    more = strokes.new_colours(canvas, cells, ridges, planes(keys, canvas.opaque), labels, doubt)
-    if more.size:
-        keys = np.append(keys, more)
-        labels = palette.known_labels(canvas, plateaus, keys, noise)
-    ramps.absorb_pieces(canvas, labels, slopes, ramps.PIECE, 2 * noise)
-    canvas.bare(labels)[slopes >= 0] = slopes[slopes >= 0] + keys.size
-    colours = np.concatenate([unpack(keys).astype(np.float64), mean_colours(canvas, slopes)])
-    surfaces_of = [*[None] * keys.size, *found]
-    thin, specks = _label_unknown(canvas, labels, ridges, keys, colours, doubt)
-    scraps.join_scraps(canvas, labels, canvas.mixing(colours), surfaces_of, thin)
-    index, thin = (np.ascontiguousarray(canvas.bare(plane)) for plane in (labels, thin))
-    result = Labels(index=index, palette=colours, thin=thin, ramp=np.arange(len(colours)) >= keys.size,
-                    gradients=tuple(surface and surface.gradient for surface in surfaces_of))
-    result = merging.merge_twins(result, canvas.mixing(colours))
-    if specks > DITHER * cells.size + 10:
-        result = merging.merge_specks(result, unsteady.SPECK)
-    return _merge_ripples(canvas, result, noise, unsteady.SPECK)
+        return merging.merge_specks(result, speck)
+    return _merge_ripples(canvas, result, noise, speck) if rippled else merging.drop_unused(result)
 
 
 def _stray(canvas: Canvas, labels: np.ndarray, colour: np.ndarray) -> bool:

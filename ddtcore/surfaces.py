@@ -8,7 +8,7 @@ single gradient explains both.
 
 from __future__ import annotations
 
-from typing import Dict, List, Sequence, Tuple
+from typing import Dict, List, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -49,7 +49,7 @@ _SMOOTH = 3
 
 
 def separate(canvas: Canvas, ramps: np.ndarray, count: int, free: np.ndarray,
-             fit: float = FIT) -> Tuple[np.ndarray, List[Surface]]:
+             fit: float = FIT, piece: int = AREA) -> Tuple[np.ndarray, List[Surface]]:
     """Part the ramps that no single gradient explains, and extend all to free pixels.
 
     Parameters
@@ -63,6 +63,8 @@ def separate(canvas: Canvas, ramps: np.ndarray, count: int, free: np.ndarray,
         Pixels that may come to ramps they touch, if they have the colours of those there.
     fit : float
         How far pixels may be from the surface of their ramp, levels of a channel.
+    piece : int
+        Smallest connected piece of a surface, px².
 
     Returns
     -------
@@ -85,7 +87,7 @@ def separate(canvas: Canvas, ramps: np.ndarray, count: int, free: np.ndarray,
         area = (window[0].stop - window[0].start) * (window[1].stop - window[1].start)
         if not good and fits > 0 and area * MOST <= compared:
             mask = ramps[window] == k
-            parts, some, tried = _parted(canvas, mask, members[k].size, window, whole, fit)
+            parts, some, tried = _parted(canvas, mask, members[k].size, window, whole, fit, piece)
             fits, compared = fits - tried, compared - area * len(some)
             used = np.flatnonzero(np.bincount(parts[mask] + 1, minlength=len(some) + 1)[1:])
             into = np.full(len(some) + 1, -1, np.int32)
@@ -98,7 +100,7 @@ def separate(canvas: Canvas, ramps: np.ndarray, count: int, free: np.ndarray,
     renumber(ramps, number)
     for window, mask, parts in pieces:
         ramps[window][mask] = parts
-    surfaces = _joined(canvas, ramps, surfaces, fit)
+    surfaces = _joined(canvas, ramps, surfaces, fit, fit / 2 if piece == AREA else fit)
     extend(canvas, ramps, surfaces, free, fit)
     return ramps, surfaces
 
@@ -117,7 +119,8 @@ def _pixels(canvas: Canvas, cells: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     return np.stack([col, row], axis=1) + 0.5, canvas.colours(canvas.numbers(row, col)).T
 
 
-def _joined(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], fit: float) -> List[Surface]:
+def _joined(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], fit: float,
+            joint: float) -> List[Surface]:
     """Join ramps that meet without a jump, in place, where one gradient explains both: a stop lies between them."""
     members = spans_of(ramps, len(surfaces))
     contacts = _contacts(ramps, len(surfaces))
@@ -128,7 +131,7 @@ def _joined(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], fit: flo
 
     def joined(pairs: List[Tuple[int, int]]) -> Dict[Tuple[int, int], Tuple[Surface, bool]]:
         both = [members[one].and_those_of(members[other]) for one, other in pairs]
-        return dict(zip(pairs, _wholes(canvas, both, fit / 2)))
+        return dict(zip(pairs, _wholes(canvas, both, joint)))
 
     into = list(range(len(surfaces)))
     known = joined([(one, other) for one, other, points in contacts if meet(one, other, points)])
@@ -170,9 +173,13 @@ def _contacts(ramps: np.ndarray, count: int) -> List[Tuple[int, int, np.ndarray]
             for k in longest.tolist() if size[k] >= _CONTACT]
 
 
-def extend(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], free: np.ndarray, fit: float) -> None:
-    """Extend ramps to the free pixels connected with them that have their colours, in place."""
-    work = _WORK
+def extend(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], free: np.ndarray,
+           fit: Union[float, np.ndarray]) -> None:
+    """Extend ramps to the free pixels connected with them that have their colours, in place.
+
+    `fit` is how far pixels may be from the surface of their ramp, levels, for all of them or for each, (H, W).
+    """
+    work, margin = _WORK, np.broadcast_to(fit, ramps.shape)
     for number, spans in enumerate(spans_of(ramps, len(surfaces))):
         window = spans.window(ramps.shape, REACH)
         here = ramps[window]
@@ -181,7 +188,7 @@ def extend(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], free: np.
         if work < 0 or not row.size:
             continue
         points, colour = _pixels(canvas, (row + window[0].start) * ramps.shape[1] + col + window[1].start)
-        fits = distance(surfaces[number], points, colour) < fit
+        fits = distance(surfaces[number], points, colour) < margin[window][row, col]
         if not fits.any():
             continue
         own = here == number
@@ -200,19 +207,19 @@ def extend(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], free: np.
 
 
 def _parted(canvas: Canvas, mask: np.ndarray, size: int, window: Tuple[slice, slice],
-            whole: Surface, fit: float) -> Tuple[np.ndarray, List[Surface], int]:
+            whole: Surface, fit: float, piece: int) -> Tuple[np.ndarray, List[Surface], int]:
     """Number of the surface of each pixel in a window, -1 for none, the surfaces, and the gradients fitted."""
     step = int(np.ceil(np.sqrt(max(size / _CELLS, mask.size / (8 * _CELLS)))))
     surfaces, fits = grown_surfaces(Ramp.of(canvas, mask, window, step), AREA / step**2, fit)
     if not surfaces:
         return np.where(mask, 0, -1).astype(np.int32), [whole], fits
-    parts = _assigned(canvas, mask, window, surfaces, fit)
+    parts = _assigned(canvas, mask, window, surfaces, fit, piece)
     _drop_flat(parts, canvas.bare(canvas.keys)[window], surfaces)
     return parts, surfaces, fits
 
 
 def _assigned(canvas: Canvas, mask: np.ndarray, window: Tuple[slice, slice], surfaces: List[Surface],
-              fit: float) -> np.ndarray:
+              fit: float, piece: int) -> np.ndarray:
     """The number of the surface that explains each pixel of a ramp best, -1 for none."""
     parts = np.full(mask.shape, -1, np.int32)
     rows = max(8 * _SMOOTH, _STRIP // (mask.shape[1] * len(surfaces)))
@@ -222,7 +229,7 @@ def _assigned(canvas: Canvas, mask: np.ndarray, window: Tuple[slice, slice], sur
         nearest = _nearest(Ramp.of(canvas, mask[start:stop], strip), surfaces, fit)
         parts[first:first + rows] = nearest[first - start:first - start + rows]
     area = label_components(parts)
-    parts[np.bincount(area.ravel())[area] < AREA] = -1
+    parts[np.bincount(area.ravel())[area] < piece] = -1
     return parts
 
 

@@ -8,14 +8,15 @@ up to the edges beside them.  What is left has few flat colours, as in other noi
 
 from __future__ import annotations
 
-from typing import List, NamedTuple, Optional, Tuple
+from dataclasses import replace
+from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
 from .calm import calm
-from .canvas import RIM, Canvas
-from .growing import FIT, Surface
-from .noise import REDUCED, ROUNDING, SLOPING, noisy_colours, sloping_area
+from .canvas import RIM, Canvas, planes
+from .growing import FIT, Surface, gradient_surface
+from .noise import REDUCED, ROUNDING, noisy_colours, unlike
 from .palette import Plateaus, find_plateaus
 from .ramps import find_ramps
 from .sides import window
@@ -28,17 +29,32 @@ UNSTEADY = 0.006
 GRAINY = 0.42
 """Share of zigzags that only a grain makes, which is the same everywhere."""
 
-RIPPLED, DITHERED = 1.4, 2.5
+RIPPLED, DITHERED = 1.4, 2.0
 """How much stronger than most are the ripples beside edges in a JPEG, and the dots of colours far apart in a GIF."""
 
 SOFT = 24.0
 """Largest range of a channel within 7 x 7 pixels where zigzags are looked for, levels."""
 
-BEND = 5.0
+SLOPING = 0.03
+"""Smallest share of a picture's area that its ramps have: less is better told with flat colours alone."""
+
+BEND = 3.0
 """Largest change of the step from pixel to pixel on a ramp without most of its ripples, levels."""
 
-LEFT = 2.0
+LEFT = 3.0
 """How much less pixels vary there at least."""
+
+PIECE = 128
+"""Smaller pieces of a ramp go to the one that they touch if that explains them, too, px²."""
+
+BLOCK = 4
+"""Contrast is told for squares with this side, and ripples reach two of them beyond, px."""
+
+STRONG = 192.0
+"""Contrast with which ripples are strongest, levels of a channel."""
+
+DOT, DOTS = 96.0, 3
+"""What stands out more is no dot of dithering, levels; and the fewest dots in 5 x 5 pixels of an area with such."""
 
 AREA = 64
 """Smallest ramp, px²."""
@@ -73,7 +89,11 @@ class Soft(NamedTuple):
     keys : ndarray of shape (K,) and dtype uint32
         The flat colours, packed.
     noise : float
-        How far pixels may be from their colour, levels.
+        How far pixels of flat areas may be from their colour, levels.
+    doubt : ndarray of shape (P,) and dtype float64
+        How far each pixel may be from the colour of its ramp, levels.
+    bled : Canvas, optional
+        The picture as it came, if its hue may have bled over edges.
     """
 
     canvas: Canvas
@@ -82,6 +102,8 @@ class Soft(NamedTuple):
     plateaus: Plateaus
     keys: np.ndarray
     noise: float
+    doubt: np.ndarray
+    bled: Optional[Canvas]
 
 
 def find_soft(canvas: Canvas, noise: float) -> Optional[Soft]:
@@ -89,52 +111,126 @@ def find_soft(canvas: Canvas, noise: float) -> Optional[Soft]:
     share = zigzags(canvas) if noise > ROUNDING else 0.0
     if share < UNSTEADY:
         return None
-    noise *= _strength(canvas, share)
-    even = calm(canvas, noise)
+    noise, margins = _margins(canvas, noise, share)
+    even = calm(canvas, margins)
+    even = calm(even, margins / 2)
     slopes, count = find_ramps(even, BEND)
-    if sloping_area(even, slopes) < SLOPING * slopes.size:
-        return None
     slopes = slopes.copy()
-    size, steep = _steep(even, slopes, count, noise)
+    size, steep = _steep(even, slopes, [None] * count, margins)
     if size[steep].sum() < SLOPING * slopes.size:
         return None
     flat = np.append(~steep & (size >= FLAT), False)[slopes]
     renumber(slopes, _numbers(steep))
-    slopes, surfaces = separate(even, slopes, int(steep.sum()), ~flat, max(FIT, noise / LEFT))
-    size, steep = _steep(even, slopes, len(surfaces), noise)
-    steep &= [surface.gradient is not None for surface in surfaces]
+    slopes, surfaces = separate(even, slopes, int(steep.sum()), ~flat, max(FIT, noise / LEFT), PIECE)
+    size, steep = _steep(even, slopes, surfaces, margins)
     if size[steep].sum() < SLOPING * slopes.size:
         return None
     flat |= np.append(~steep & (size >= FLAT), False)[slopes]
     renumber(slopes, _numbers(steep))
-    surfaces = [surface for surface, kept in zip(surfaces, steep.tolist()) if kept]
-    extend(even, slopes, surfaces, ~flat, noise)
+    surfaces = [_clipped(surfaces[number], 3 if canvas.opaque else 4, noise / 4) for number in np.flatnonzero(steep)]
+    extend(even, slopes, surfaces, ~flat, canvas.bare(margins))
     plateaus = find_plateaus(even, slopes >= 0)
-    keys = noisy_colours(even, plateaus, noise, noise, slopes >= 0)
-    return Soft(even, slopes, surfaces, plateaus, keys, noise)
+    keys = _flat_colours(even, plateaus, slopes >= 0, noise, margins)
+    bled = canvas if canvas.opaque and margins.min() < noise else None
+    return Soft(even, slopes, surfaces, plateaus, keys, noise, margins / LEFT, bled)
 
 
-def _strength(canvas: Canvas, share: float) -> float:
-    """How much stronger than most the strongest ripples of a picture with a share of zigzags are."""
+def _flat_colours(canvas: Canvas, plateaus: Plateaus, ramps: np.ndarray, noise: float,
+                  margins: np.ndarray) -> np.ndarray:
+    """The flat colours apart from the ramps (H, W), packed: where there are few ripples, nearly alike ones, too."""
+    keys = noisy_colours(canvas, plateaus, noise, noise, ramps)
+    rippled = ramps | (canvas.bare(margins) > noise / 2)
+    more = noisy_colours(canvas, find_plateaus(canvas, rippled), noise / LEFT, noise, rippled)
+    return np.array(unlike(canvas, np.append(keys, more), 2 * noise / LEFT), np.uint32)
+
+
+def _margins(canvas: Canvas, noise: float, share: float) -> Tuple[float, np.ndarray]:
+    """How strong ripples are at most in a picture with a share of zigzags, and round each pixel (P,), levels.
+
+    Most have `noise` levels.  A grain is the same everywhere.
+    """
     if share > GRAINY:
-        return 1.0
-    return DITHERED if np.unique(canvas.keys).size <= REDUCED else RIPPLED
+        return noise, np.full(canvas.keys.size, noise)
+    if np.unique(canvas.keys).size <= REDUCED:
+        return DITHERED * noise, np.maximum(_of_dots(canvas), DITHERED * noise)
+    return RIPPLED * noise, _beside_edges(canvas, RIPPLED * noise)
 
 
-def _steep(canvas: Canvas, slopes: np.ndarray, count: int, noise: float) -> Tuple[np.ndarray, np.ndarray]:
-    """Sizes of some ramps, and which of them are large and have more contrast than noise alone."""
-    size, steep = np.zeros(count, np.int64), np.zeros(count, bool)
-    for number, spans in enumerate(spans_of(slopes, count)):
+def _of_dots(canvas: Canvas) -> np.ndarray:
+    """How much the dots of dithering stand out round each pixel (P,), 0 where there are none.
+
+    A dot is darker, or lighter, than the four pixels beside it.
+    """
+    values = planes(canvas.keys.reshape(-1, canvas.stride), canvas.opaque)
+    here = values[:, 1:-1, 1:-1]
+    off = np.stack([values[:, :-2, 1:-1], values[:, 2:, 1:-1], values[:, 1:-1, :-2], values[:, 1:-1, 2:]]) - here
+    dot = (off.min(axis=0) >= _TURN) | (off.max(axis=0) <= -_TURN)
+    height = (np.abs(off).max(axis=0) * dot).max(axis=0)
+    height[height > DOT] = 0
+    height = np.pad(height, 1, mode="constant")
+    several = _filtered((height > 0)[None], np.add)[0] >= DOTS
+    return np.asarray((_filtered(height[None], np.maximum)[0] * several).ravel())
+
+
+def _filtered(values: np.ndarray, combine: np.ufunc) -> np.ndarray:
+    """Sums, or highest or lowest values, in 5 x 5 of planes (C, h, w)."""
+    for axis in (1, 2):
+        lines = values.swapaxes(1, axis)
+        padded = np.pad(lines, [(0, 0), (2, 2), (0, 0)], mode="edge").astype(np.float32)
+        values = combine.reduce([padded[:, k:k + lines.shape[1]] for k in range(5)]).swapaxes(1, axis)
+    return values
+
+
+def _beside_edges(canvas: Canvas, noise: float) -> np.ndarray:
+    """How strong the ripples of a JPEG may be round each pixel, of which the strongest have `noise` levels, (P,).
+
+    They are the stronger, the more contrast there is near them.
+    """
+    values = planes(canvas.bare(canvas.keys), canvas.opaque)
+    rims = [(0, -size % BLOCK) for size in canvas.shape]
+    values = np.pad(values, [(0, 0), *rims], mode="edge")
+    blocks = values.reshape(len(values), values.shape[1] // BLOCK, BLOCK, -1, BLOCK)
+    high, low = (_filtered(extreme.reduce(blocks, axis=(2, 4)), extreme) for extreme in (np.maximum, np.minimum))
+    span = (high - low).max(axis=0)
+    margin = noise * np.minimum(1 / LEFT + (1 - 1 / LEFT) / STRONG * span, 1)
+    margin = margin.repeat(BLOCK, axis=0).repeat(BLOCK, axis=1)
+    return np.pad(margin[:canvas.shape[0], :canvas.shape[1]], RIM, mode="edge").ravel()
+
+
+def _steep(canvas: Canvas, slopes: np.ndarray, surfaces: Sequence[Optional[Surface]],
+           margins: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Sizes of some ramps, and which of them are large and have more contrast than ripples alone.
+
+    The contrast is that of their surfaces, which have to be gradients, where they are known.
+    """
+    size, steep = np.zeros(len(surfaces), np.int64), np.zeros(len(surfaces), bool)
+    for number, (spans, surface) in enumerate(zip(spans_of(slopes, len(surfaces)), surfaces)):
         size[number] = spans.size
-        if spans.size >= AREA:
+        if spans.size >= AREA and (surface is None or surface.gradient):
             row, col = np.divmod(spans.every(-(-spans.size // _ASKED)), slopes.shape[1])
-            colour = canvas.colours(canvas.numbers(row, col))
+            cells = canvas.numbers(row, col)
+            colour = surface.colours(np.stack([col, row], axis=1) + 0.5).T if surface else canvas.colours(cells)
             low, high = np.percentile(colour, _ENDS, axis=1)
             most = int(np.argmax(high - low))
             share = (colour[most] - low[most]) / max(high[most] - low[most], 1.0)
             # Two flat colours have next to nothing between them.
-            steep[number] = high[most] - low[most] >= noise and np.mean(np.abs(share - 0.5) < 0.25) >= BETWEEN
+            between = np.mean(np.abs(share - 0.5) < 0.25)
+            steep[number] = high[most] - low[most] >= margins[cells].mean() and between >= BETWEEN
     return size, steep
+
+
+def _clipped(surface: Surface, channels: int, margin: float) -> Surface:
+    """A surface with channels of its stops at 0 or 255 that are nearly so: noise moves them away from there only."""
+    gradient = surface.gradient
+    if gradient is None:
+        return surface
+
+    def clipped(level: int) -> int:
+        return 0 if level <= margin else 255 if level >= 255 - margin else level
+
+    stops = tuple((offset, (clipped(red), clipped(green), clipped(blue)), opacity)
+                  for offset, (red, green, blue), opacity in gradient.stops)
+    return gradient_surface(replace(gradient, stops=stops), channels)
 
 
 def _numbers(kept: np.ndarray) -> np.ndarray:

@@ -100,3 +100,24 @@ def test_labels_are_those_of_the_clean_picture(kind):
     spoiled, clean = (label_pixels(image, TraceOptions()) for image in (SPOILED[kind](balloon()), balloon()))
     assert spoiled.ramp.sum() == 1
     assert (spoiled.ramp[spoiled.index] != clean.ramp[clean.index]).mean() < 0.01
+
+
+@pytest.mark.parametrize("kind", SPOILED)
+def test_a_channel_that_is_nowhere_used_stays_so(kind):
+    image = balloon()
+    image[..., 2] = np.where(image[..., 2] == 255, 255, 0)
+    for surface in soft_of(SPOILED[kind](image)).surfaces:
+        assert [rgb[2] for _, rgb, _ in surface.gradient.stops] == [0] * len(surface.gradient.stops)
+
+
+def test_ripples_of_a_jpeg_are_strongest_beside_edges_and_a_grain_is_so_everywhere():
+    jpeg, scan = (prepare(image) for image in (SPOILED["q75"](balloon()), SPOILED["scan"](balloon())))
+    doubt = jpeg.bare(soft_of(SPOILED["q75"](balloon())).doubt)
+    assert doubt[:20, :20].max() == doubt.min() < 0.5 * doubt[28:34, 148:152].min()
+    assert np.ptp(scan.bare(soft_of(SPOILED["scan"](balloon())).doubt)) == 0
+
+
+@pytest.mark.parametrize("kind", SPOILED)
+def test_a_ramp_counts_in_a_picture_that_is_flat_elsewhere(kind):
+    image = np.pad(balloon(), [(20, 120), (20, 220), (0, 0)], mode="edge")
+    assert len(soft_of(SPOILED[kind](image)).surfaces) == 1
