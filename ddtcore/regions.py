@@ -109,9 +109,9 @@ def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
     soft = unsteady.find_soft(canvas, ripple_level(canvas, plateaus.core)) if rippled and not grain else None
     if soft:
         return _label_soft(soft)
-    inks, clear = np.zeros(0, np.uint32), None
+    inks, clear, left = np.zeros(0, np.uint32), None, 1.0
     if noise > ROUNDING and not grain and ringing.is_ringing(canvas, plateaus.core):
-        (canvas, inks), noise = ringing.without_ringing(canvas), ringing.LEFT
+        (canvas, inks), noise, left = ringing.without_ringing(canvas), ringing.LEFT, ringing.STROKES
     plain = palette.plain_colours(canvas)
     if plain.size:
         noise, rippled, keys = ROUNDING, False, plain
@@ -122,6 +122,7 @@ def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
         keys = _with_inks(canvas, noisy_colours(canvas, plateaus, noise, grain or noise), inks)
         if canvas.opaque and not grain and noise > ringing.LEFT:
             clear = canvas = bleeding.without_bleeding(canvas, keys, noise)
+            left = bleeding.LEFT
     else:
         slopes, found, plateaus, inks = _surfaces(canvas, slopes, count, plateaus)
         count = len(found)
@@ -131,7 +132,7 @@ def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
 
     labels = palette.known_labels(canvas, plateaus, keys, noise)
     cells = canvas.cells(~plateaus.core & (slopes < 0))
-    doubt = max(noise * (1 if clear is None else bleeding.LEFT), mixing_error(canvas, labels, cells))
+    doubt = max(noise * left, mixing_error(canvas, labels, cells))
     rippled |= doubt > QUANTISED
     ridges = strokes.find_ridges(canvas, cells, doubt)
     more = strokes.new_colours(canvas, cells, ridges, planes(keys, canvas.opaque), labels, doubt)
