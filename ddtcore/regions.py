@@ -110,7 +110,7 @@ def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
     if soft:
         return _label_soft(soft)
     inks, clear, left = np.zeros(0, np.uint32), None, 1.0
-    if noise > ROUNDING and not grain and ringing.is_ringing(canvas, plateaus.core):
+    if noise > ROUNDING and not grain and ringing.is_ringing(canvas):
         (canvas, inks), noise, left = ringing.without_ringing(canvas), ringing.LEFT, ringing.STROKES
     plain = palette.plain_colours(canvas)
     if plain.size:

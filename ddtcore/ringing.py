@@ -17,6 +17,7 @@ from .canvas import RIM, Canvas, planes
 from .noise import ROUNDING, unlike
 from .palette import find_plateaus, is_mixed
 from .parts import in_parts
+from .sides import window
 
 LEFT = 8.0
 """How much pixels vary at most when ripples have been taken off, levels."""
@@ -26,6 +27,9 @@ STROKES = 0.5
 
 CALM = 24
 """Largest range of a channel within 7 x 7 pixels without an edge, levels."""
+
+FAINT = 0.8
+"""Share of such a range that plateaus differ by where there is an edge all the same."""
 
 RARE = 0.01
 """Share of uneven pixels far from all edges from which there is more than ringing."""
@@ -42,15 +46,29 @@ _MOST = 48
 _FEW = 13
 
 
-def is_ringing(canvas: Canvas, core: np.ndarray) -> bool:
-    """Whether all that is uneven keeps to edges; `core` (H, W) tells the pixels of plateaus."""
+def is_ringing(canvas: Canvas) -> bool:
+    """Whether all that is uneven keeps to edges."""
+    core = find_plateaus(canvas, np.zeros(canvas.shape, bool)).core
     uneven = np.zeros(core.shape, bool)
     uneven[RIM:-RIM, RIM:-RIM] = ~core[RIM:-RIM, RIM:-RIM]
     cells = canvas.cells(uneven)
     if not cells.size:
         return False
     low, high = _ranges(canvas)
-    return bool(np.mean((high[:, cells] - low[:, cells]).max(axis=0) <= CALM) < RARE)
+    span = (high[:, cells] - low[:, cells]).max(axis=0)
+    calm = span <= CALM
+    calm[calm] = ~_between_plateaus(canvas, core, cells[calm], span[calm])
+    return bool(np.mean(calm) < RARE)
+
+
+def _between_plateaus(canvas: Canvas, core: np.ndarray, cells: np.ndarray, span: np.ndarray) -> np.ndarray:
+    """Whether the range within 7 x 7 of pixels is that of plateaus there: a faint edge."""
+    around = cells + window(canvas.stride, 1, RIM)[:, None]
+    colours, flat = canvas.colours(around), canvas.rimmed(core, False)[around]
+    highest = np.where(flat, colours, -np.inf).max(axis=1)
+    lowest = np.where(flat, colours, np.inf).min(axis=1)
+    apart = (highest - lowest).max(axis=0)
+    return np.asarray((apart > LEFT) & (apart >= FAINT * span))
 
 
 def without_ringing(canvas: Canvas) -> Tuple[Canvas, np.ndarray]:

@@ -12,7 +12,6 @@ from artwork import CARTOON, disc, draw, everywhere, palette_of
 from ddtcore.canvas import prepare, unpack
 from ddtcore.noise import ROUNDING
 from ddtcore.options import TraceOptions
-from ddtcore.palette import find_plateaus
 from ddtcore.regions import label_pixels
 from ddtcore.ringing import BEYOND, is_ringing, without_ringing
 
@@ -44,8 +43,7 @@ def jpeg(image, quality):
 
 
 def rings(image):
-    canvas = prepare(image)
-    return is_ringing(canvas, find_plateaus(canvas, np.zeros(canvas.shape, bool)).core)
+    return is_ringing(prepare(image))
 
 
 def is_flat(image):
