@@ -25,6 +25,9 @@ LEFT = 8.0
 STROKES = 0.5
 """Share of that by which strokes may stand out: they ring beside themselves, not along their crests."""
 
+SPECK = 6.0
+"""Regions smaller than this are ripples all the same, px²."""
+
 CALM = 24
 """Largest range of a channel within 7 x 7 pixels without an edge, levels."""
 

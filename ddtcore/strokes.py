@@ -171,7 +171,7 @@ def new_colours(canvas: Canvas, cells: np.ndarray, ridges: Ridges, colours: np.n
         Known labels with the rim, negative where unknown.
     """
     doubt = noise - ROUNDING
-    ridges = _unexplained(ridges, colours, doubt)
+    ridges = unexplained(ridges, colours, doubt)
     found, around = np.zeros(0, np.uint32), canvas.colours(cells) if ridges.cells.size else None
     for _ in range(_TRIES):
         if ridges.cells.size < 4:
@@ -208,7 +208,7 @@ def _fullest(colours: np.ndarray, count: int) -> np.ndarray:
     return kept
 
 
-def _unexplained(ridges: Ridges, colours: np.ndarray, doubt: float) -> Ridges:
+def unexplained(ridges: Ridges, colours: np.ndarray, doubt: float) -> Ridges:
     """The ridge pixels that mixes with no known colour explain: the better, the surer their two sides are."""
     if not colours.shape[1]:
         return ridges
