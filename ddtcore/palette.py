@@ -13,6 +13,7 @@ from typing import Tuple
 
 import numpy as np
 
+from . import narrow
 from .canvas import RIM, Canvas, count_keys, planes, summed_keys
 from .loops import ranges
 from .mixes import segment_distance
@@ -36,6 +37,15 @@ LIKE = 14
 
 ELBOWS = 3
 """Fewest corners of three equal pixels that make a colour without plateaus real."""
+
+SOUND = 1 / 8
+"""Blocks that no thin stroke explains, for each pixel of a colour's plateaus, from which the colour is real."""
+
+WIDE = 0.25
+"""Share of surrounded pixels among those of a mixed colour from which it fills areas, not only strips."""
+
+CLEAN = 2.0
+"""Largest noise of a picture that isn't noisy, levels."""
 
 HARD = 0.95
 """Share of palette colours among the pixels that are no plateaus from which edges count as hard."""
@@ -163,8 +173,10 @@ def choose_colours(canvas: Canvas, plateaus: Plateaus, ramps: bool) -> np.ndarra
     colours = planes(plateaus.keys, canvas.opaque)
     keep = plateaus.full > 0
     weak = np.flatnonzero(~keep & (plateaus.sound > 0))[:MANY]
-    needed = np.maximum(3, plateaus.counts[weak] / 8)
-    needed[~is_mixed(colours[:, weak], colours[:, keep])] = 1
+    needed = np.maximum(3, SOUND * plateaus.counts[weak])
+    unmixed = ~is_mixed(colours[:, weak], colours[:, keep])
+    # Those that stay below it are asked again when the colours of strokes are known.
+    needed[unmixed] = 1 if ramps else np.maximum(1, SOUND * plateaus.counts[weak[unmixed]])
     keep[weak[plateaus.sound[weak] >= needed]] = True
     if ramps:
         keep &= plateaus.counts >= PIECE
@@ -177,7 +189,7 @@ def choose_colours(canvas: Canvas, plateaus: Plateaus, ramps: bool) -> np.ndarra
 
 def unmixed_colours(canvas: Canvas, plateaus: Plateaus, chosen: np.ndarray) -> np.ndarray:
     """Packed colours of plateaus that a thin stroke could explain, but none in colours already `chosen`."""
-    some = plateaus.keys[(plateaus.full == 0) & (plateaus.sound == 0)][:MANY]
+    some = plateaus.keys[(plateaus.full == 0) & (plateaus.sound < SOUND * plateaus.counts)][:MANY]
     colours, known = planes(some, canvas.opaque), planes(chosen, canvas.opaque)
     alike = (np.abs(colours[:, :, None] - known[:, None]).max(axis=0) < LIKE).any(axis=1)
     return np.asarray(some[~alike & ~is_mixed(colours, known)])
@@ -232,7 +244,8 @@ def known_labels(canvas: Canvas, plateaus: Plateaus, keys: np.ndarray, noise: fl
     if not keys.size:
         return np.full(canvas.keys.size, -1, np.int16)
     colours, labels = planes(keys, canvas.opaque), _exact_labels(canvas, keys)
-    plain = ~(is_mixed(colours, colours) | _has_twin(colours))
+    mixed, twins = is_mixed(colours, colours), _has_twin(colours)
+    plain = ~(mixed | twins)
     plain[_WEIGHED:] = False
     bare, core, skipped = canvas.bare(labels), plateaus.core, plateaus.skipped
     asked, = in_parts(
@@ -241,7 +254,8 @@ def known_labels(canvas: Canvas, plateaus: Plateaus, keys: np.ndarray, noise: fl
     if skipped.any():
         bare[skipped] = -1
     exact = labels[asked] >= 0
-    if np.count_nonzero(exact) > HARD * asked.size:
+    hard = np.count_nonzero(exact) > HARD * asked.size
+    if hard:
         sure = exact
     else:
         sure = exact & np.append(plain, False)[labels[asked]]
@@ -250,7 +264,15 @@ def known_labels(canvas: Canvas, plateaus: Plateaus, keys: np.ndarray, noise: fl
     asked = asked[~sure & (labels[asked] >= 0)]
     inside, = in_parts(lambda part: (_in_block(labels, asked[part], canvas.stride),), asked.size)
     labels[asked[~inside]] = -1
+    if noise <= CLEAN and not hard and not skipped.any():
+        narrow.clear_strips(canvas, labels, mixed & ~twins & _in_strips(plateaus, keys))
     return labels
+
+
+def _in_strips(plateaus: Plateaus, keys: np.ndarray) -> np.ndarray:
+    """Which colours `keys` fill few pixels that all eight neighbours equal, bool (K,)."""
+    narrow_ones = plateaus.keys[plateaus.full < WIDE * plateaus.counts]
+    return np.isin(keys, narrow_ones)
 
 
 def _exact_labels(canvas: Canvas, keys: np.ndarray) -> np.ndarray:

@@ -25,6 +25,7 @@ from . import (
     ringing,
     scraps,
     sides,
+    spots,
     strokes,
     surfaces,
     uneven,
@@ -129,9 +130,10 @@ def _know(canvas: Canvas, grain: float) -> _Known:
     soft = unsteady.find_soft(canvas, ripple_level(canvas, plateaus.core)) if rippled and not grain else None
     if soft:
         return _know_soft(soft)
-    inks, clear = np.zeros(0, np.uint32), None
-    if noise > ROUNDING and not grain and ringing.is_ringing(canvas, plateaus.core):
+    inks, clear, left, least = np.zeros(0, np.uint32), None, 1.0, SPECK
+    if noise > ROUNDING and not grain and ringing.is_ringing(canvas):
         (canvas, inks), noise = ringing.without_ringing(canvas), ringing.LEFT
+        left, least = ringing.STROKES, ringing.SPECK
     plain = palette.plain_colours(canvas)
     if plain.size:
         noise, rippled, keys = ROUNDING, False, plain
@@ -142,11 +144,11 @@ def _know(canvas: Canvas, grain: float) -> _Known:
         keys = _with_inks(canvas, noisy_colours(canvas, plateaus, noise, grain or noise), inks)
         if canvas.opaque and not grain and noise > ringing.LEFT:
             clear = canvas = bleeding.without_bleeding(canvas, keys, noise)
+            left = bleeding.LEFT
     else:
         slopes, found, plateaus, inks = _surfaces(canvas, slopes, count, plateaus)
         keys = _with_inks(canvas, palette.choose_colours(canvas, plateaus, bool(found)), inks)
-    doubt = noise if clear is None else noise * bleeding.LEFT
-    return _Known(canvas, slopes, found, plateaus, keys, noise, doubt, rippled, SPECK, clear)
+    return _Known(canvas, slopes, found, plateaus, keys, noise, noise * left, rippled, least, clear)
 
 
 def _know_soft(soft: unsteady.Soft) -> _Known:
@@ -192,12 +194,7 @@ def _label_rest(known: _Known) -> Labels:
     doubt = max(doubt, mixing_error(canvas, labels, cells))
     rippled |= doubt > QUANTISED
     ridges = strokes.find_ridges(canvas, cells, doubt)
-    more = strokes.new_colours(canvas, cells, ridges, planes(keys, canvas.opaque), labels, doubt)
-    if noise <= ROUNDING and not count:
-        more = np.append(more, palette.unmixed_colours(canvas, plateaus, np.append(keys, more)))
-    if more.size:
-        keys = np.append(keys, more)
-        labels = palette.known_labels(canvas, plateaus, keys, noise)
+    keys, labels = _with_rare(canvas, plateaus, cells, ridges, keys, labels, noise, doubt, count > 0)
     if keys.size == 1 and not count and _stray(canvas, labels, planes(keys, canvas.opaque)):
         return posterise(canvas, MANY)
     colours = unpack(keys).astype(np.float64)
@@ -240,6 +237,24 @@ def _with_inks(canvas: Canvas, keys: np.ndarray, inks: np.ndarray) -> np.ndarray
     known, more = planes(keys, canvas.opaque), planes(inks, canvas.opaque)
     off = np.abs(more[:, :, None] - known[:, None]).max(axis=0)
     return np.append(keys, inks[(off >= strokes.TWIN).all(axis=1)])
+
+
+def _with_rare(canvas: Canvas, plateaus: palette.Plateaus, cells: np.ndarray, ridges: strokes.Ridges, keys: np.ndarray,
+               labels: np.ndarray, noise: float, doubt: float, soft: bool) -> Tuple[np.ndarray, np.ndarray]:
+    """The colours and those that only thin strokes and small spots have, and labels with them.
+
+    Where there are `soft` ramps, plateaus are not asked again.
+    """
+    strange = strokes.unexplained(ridges, planes(keys, canvas.opaque), doubt - ROUNDING)
+    more = strokes.new_colours(canvas, cells, strange, planes(keys, canvas.opaque), labels, doubt)
+    if noise <= ROUNDING and not soft:
+        more = np.append(more, palette.unmixed_colours(canvas, plateaus, np.append(keys, more)))
+    if more.size:
+        keys = np.append(keys, more)
+        labels = palette.known_labels(canvas, plateaus, keys, noise)
+    spot = spots.find_spots(canvas, cells, strange, planes(keys, canvas.opaque), labels, doubt - ROUNDING)
+    labels[spot] = keys.size + np.arange(spot.size)
+    return np.append(keys, canvas.keys[spot]), labels
 
 
 def _surfaces(canvas: Canvas, slopes: np.ndarray, count: int, plateaus: palette.Plateaus
@@ -286,7 +301,7 @@ def _label_unknown(canvas: Canvas, labels: np.ndarray, ridges: strokes.Ridges, k
     return thin, specks
 
 
-def _merge_ripples(canvas: Canvas, labels: Labels, noise: float, least: float = SPECK) -> Labels:
+def _merge_ripples(canvas: Canvas, labels: Labels, noise: float, least: float) -> Labels:
     """Merge the specks of less than `least` px² that JPEG and resizing leave, but no dots that stand out."""
     colours = canvas.mixing(labels.palette)
 

@@ -15,14 +15,24 @@ import numpy as np
 
 from .canvas import RIM, Canvas, planes
 from .noise import ROUNDING, unlike
-from .palette import find_plateaus
+from .palette import find_plateaus, is_mixed
 from .parts import in_parts
+from .sides import window
 
 LEFT = 8.0
 """How much pixels vary at most when ripples have been taken off, levels."""
 
+STROKES = 0.5
+"""Share of that by which strokes may stand out: they ring beside themselves, not along their crests."""
+
+SPECK = 6.0
+"""Regions smaller than this are ripples all the same, px²."""
+
 CALM = 24
 """Largest range of a channel within 7 x 7 pixels without an edge, levels."""
+
+FAINT = 0.8
+"""Share of such a range that plateaus differ by where there is an edge all the same."""
 
 RARE = 0.01
 """Share of uneven pixels far from all edges from which there is more than ringing."""
@@ -39,15 +49,29 @@ _MOST = 48
 _FEW = 13
 
 
-def is_ringing(canvas: Canvas, core: np.ndarray) -> bool:
-    """Whether all that is uneven keeps to edges; `core` (H, W) tells the pixels of plateaus."""
+def is_ringing(canvas: Canvas) -> bool:
+    """Whether all that is uneven keeps to edges."""
+    core = find_plateaus(canvas, np.zeros(canvas.shape, bool)).core
     uneven = np.zeros(core.shape, bool)
     uneven[RIM:-RIM, RIM:-RIM] = ~core[RIM:-RIM, RIM:-RIM]
     cells = canvas.cells(uneven)
     if not cells.size:
         return False
     low, high = _ranges(canvas)
-    return bool(np.mean((high[:, cells] - low[:, cells]).max(axis=0) <= CALM) < RARE)
+    span = (high[:, cells] - low[:, cells]).max(axis=0)
+    calm = span <= CALM
+    calm[calm] = ~_between_plateaus(canvas, core, cells[calm], span[calm])
+    return bool(np.mean(calm) < RARE)
+
+
+def _between_plateaus(canvas: Canvas, core: np.ndarray, cells: np.ndarray, span: np.ndarray) -> np.ndarray:
+    """Whether the range within 7 x 7 of pixels is that of plateaus there: a faint edge."""
+    around = cells + window(canvas.stride, 1, RIM)[:, None]
+    colours, flat = canvas.colours(around), canvas.rimmed(core, False)[around]
+    highest = np.where(flat, colours, -np.inf).max(axis=1)
+    lowest = np.where(flat, colours, np.inf).min(axis=1)
+    apart = (highest - lowest).max(axis=0)
+    return np.asarray((apart > LEFT) & (apart >= FAINT * span))
 
 
 def without_ringing(canvas: Canvas) -> Tuple[Canvas, np.ndarray]:
@@ -61,24 +85,40 @@ def without_ringing(canvas: Canvas) -> Tuple[Canvas, np.ndarray]:
     low, high = (values[:, cells] for values in _ranges(canvas))
     inks = _clipped_strokes(canvas, cells, high - low, known)
     known = np.append(known, inks)
+    reached = _reached(canvas, plateaus.core, cells, known)
     keys = canvas.keys.copy()
     keys[cells], = in_parts(
-        lambda part: (_settled(canvas, cells[part], low[:, part], high[:, part], known),), cells.size)
+        lambda part: (_settled(canvas, cells[part], low[:, part], high[:, part], known, reached[:, part]),), cells.size)
     return replace(canvas, keys=np.pad(canvas.bare(keys), RIM, mode="edge").ravel()), inks
 
 
-def _settled(canvas: Canvas, cells: np.ndarray, low: np.ndarray, high: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """Packed colours of pixels, the nearest `known` one where ringing explains the rest."""
+def _reached(canvas: Canvas, core: np.ndarray, cells: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """Which pixels (N,) may have which `known` colours, bool (K, N): mixes of others only beside their plateaus.
+
+    Elsewhere they are what two rows of a thin stroke have.
+    """
+    colours = planes(known, canvas.opaque)
+    reached = np.ones((known.size, cells.size), bool)
+    for k in np.flatnonzero(is_mixed(colours, colours)):
+        flat = canvas.rimmed(core, False).reshape(-1, canvas.stride)
+        flat &= (canvas.keys == known[k]).reshape(flat.shape)
+        reached[k] = _widest(flat[np.newaxis], np.maximum).ravel()[cells]
+    return reached
+
+
+def _settled(canvas: Canvas, cells: np.ndarray, low: np.ndarray, high: np.ndarray, known: np.ndarray,
+             reached: np.ndarray) -> np.ndarray:
+    """Packed colours of pixels, the nearest `known` one that is `reached` where ringing explains the rest."""
     here = canvas.colours(cells)
     best: np.ndarray = canvas.keys[cells]
     span, middle = high - low, (high + low) / 2
     least = np.full(best.size, np.inf, np.float32)
-    for key, colour in zip(known, planes(known, canvas.opaque).T):
+    for key, colour, some in zip(known, planes(known, canvas.opaque).T, reached):
         off = here - colour[:, None]
         beyond = off * (colour[:, None] - middle) > 0
         off = np.abs(off)
         explained = (off <= ROUNDING + np.where(beyond, BEYOND, SHORT) * span).all(axis=0)
-        nearer = explained & (off.max(axis=0) < least)
+        nearer = explained & some & (off.max(axis=0) < least)
         best[nearer], least[nearer] = key, off.max(axis=0)[nearer]
     return best
 
@@ -104,12 +144,14 @@ def _clipped_strokes(canvas: Canvas, cells: np.ndarray, span: np.ndarray, known:
 def _ranges(canvas: Canvas) -> Tuple[np.ndarray, np.ndarray]:
     """Lowest and highest values of each channel within 7 x 7 of each pixel, int16 (C, P)."""
     values = planes(canvas.keys.reshape(-1, canvas.stride), canvas.opaque).astype(np.int16)
-    ranges = []
-    for extreme in (np.minimum, np.maximum):
-        out = values
-        for axis in (1, 2):
-            out = out.swapaxes(1, axis)
-            padded = np.pad(out, [(0, 0), (RIM, RIM), (0, 0)], mode="edge")
-            out = extreme.reduce([padded[:, k:k + out.shape[1]] for k in range(2 * RIM + 1)]).swapaxes(1, axis)
-        ranges.append(out.reshape(len(values), -1))
-    return ranges[0], ranges[1]
+    low, high = (_widest(values, extreme).reshape(len(values), -1) for extreme in (np.minimum, np.maximum))
+    return low, high
+
+
+def _widest(values: np.ndarray, extreme: np.ufunc) -> np.ndarray:
+    """An extreme of planes (C, H, W) within 7 x 7."""
+    for axis in (1, 2):
+        values = values.swapaxes(1, axis)
+        padded = np.pad(values, [(0, 0), (RIM, RIM), (0, 0)], mode="edge")
+        values = extreme.reduce([padded[:, k:k + values.shape[1]] for k in range(2 * RIM + 1)]).swapaxes(1, axis)
+    return values

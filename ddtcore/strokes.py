@@ -171,7 +171,7 @@ def new_colours(canvas: Canvas, cells: np.ndarray, ridges: Ridges, colours: np.n
         Known labels with the rim, negative where unknown.
     """
     doubt = noise - ROUNDING
-    ridges = _unexplained(ridges, colours, doubt)
+    ridges = unexplained(ridges, colours, doubt)
     found, around = np.zeros(0, np.uint32), canvas.colours(cells) if ridges.cells.size else None
     for _ in range(_TRIES):
         if ridges.cells.size < 4:
@@ -182,7 +182,7 @@ def new_colours(canvas: Canvas, cells: np.ndarray, ridges: Ridges, colours: np.n
         fits = (beside[:, 0] < 12 + doubt) & (share[:, 0] > 0.3)
         fits[highest] = True
         fit_near = np.count_nonzero(fits & _within_reach(canvas, ridges.cells, cell))
-        if fit_near >= 4 + doubt and not _mixed_near(canvas, cell, colours, labels):
+        if fit_near >= 4 + doubt and not _mixed_near(canvas, cell, colours, labels, found.size):
             like = canvas.keys[cells[np.abs(around - colour).max(axis=0) < 10 + doubt]]
             key = _extreme(canvas, like, ridges.off[:, highest], canvas.keys[cell])
             key = _pure(key, PURE + min(8 * doubt, 3 * PURE))
@@ -208,7 +208,7 @@ def _fullest(colours: np.ndarray, count: int) -> np.ndarray:
     return kept
 
 
-def _unexplained(ridges: Ridges, colours: np.ndarray, doubt: float) -> Ridges:
+def unexplained(ridges: Ridges, colours: np.ndarray, doubt: float) -> Ridges:
     """The ridge pixels that mixes with no known colour explain: the better, the surer their two sides are."""
     if not colours.shape[1]:
         return ridges
@@ -246,10 +246,11 @@ def _within_reach(canvas: Canvas, cells: np.ndarray, cell: int) -> np.ndarray:
     return np.asarray(np.abs(row - own_row) + np.abs(col - own_col) <= _REACH)
 
 
-def _mixed_near(canvas: Canvas, cell: int, colours: np.ndarray, labels: np.ndarray) -> bool:
-    """Whether a pixel's colour is a mix of any two or three of the known colours within 7 x 7."""
+def _mixed_near(canvas: Canvas, cell: int, colours: np.ndarray, labels: np.ndarray, inks: int) -> bool:
+    """Whether a pixel's colour is a mix of two or three of the known colours within 7 x 7 and the last, the `inks`."""
     near = np.unique(labels[cell + window(canvas.stride, 1, 3)])
-    near = colours[:, near[(near >= 0) & (near < colours.shape[1])]]
+    count = colours.shape[1]
+    near = colours[:, np.append(near[(near >= 0) & (near < count - inks)], np.arange(count - inks, count))]
     first, second = (near[:, side] for side in np.triu_indices(near.shape[1]))
     here = np.broadcast_to(canvas.colours(np.array([cell])), first.shape)
     beside, _ = third_share(here, first, second, near)

@@ -5,10 +5,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from artwork import CARTOON, box, colours_of, disc, draw, everywhere, half_plane, paint, rasterise, stroke
+from artwork import CARTOON, box, colours_of, disc, draw, everywhere, half_plane, paint, palette_of, rasterise, stroke
 
 from ddtcore import palette
 from ddtcore.canvas import prepare, unpack
+from ddtcore.options import TraceOptions
+from ddtcore.regions import label_pixels
 
 WHITE, BLACK, GREY, RED = (255, 255, 255, 255), (0, 0, 0, 255), (128, 128, 128, 255), (200, 30, 40, 255)
 
@@ -94,6 +96,27 @@ def test_mixes_on_edges_are_not_taken_for_the_grey_they_equal():
     labels = canvas.bare(palette.known_labels(canvas, plateaus, keys, 2.0))
     grey = labels == list(keys).index(pack_one(GREY))
     assert grey[40:56, 40:56].all() and grey.sum() == 256
+
+
+def test_strokes_that_cover_two_rows_in_part_have_no_colour_of_their_own():
+    """Black is nowhere full: what two equal rows show is a grey, as often as one likes."""
+    layers = [(WHITE, everywhere)] + [(BLACK, box(4, y + 0.25, 50, y + 1.75)) for y in range(6, 50, 10)]
+    layers += [(BLACK, box(x + 0.25, 4, x + 1.75, 58)) for x in (10, 40)]
+    image = draw(60, 90, layers + [(BLACK, stroke(70, 30, 1.1, 1.5, 20))])
+    assert np.count_nonzero((image == (64, 64, 64, 255)).all(axis=-1)) > 300
+    assert palette_of(label_pixels(image, TraceOptions())) == {WHITE, BLACK}
+
+
+def test_a_mix_that_is_wide_once_is_known_only_there():
+    """Between stripes as narrow as pixels the mix is all there is; strokes of two such rows are strokes."""
+    brown, half = (176, 114, 46, 255), (88, 57, 23, 255)
+    layers = [(brown, everywhere), (BLACK, box(30, 4, 58, 20)), (half, box(4, 4, 9, 9))]
+    layers += [(BLACK, box(4, y + 0.5, 58, y + 1.5)) for y in range(26, 60, 5)]
+    canvas, plateaus, keys = look(draw(64, 64, layers))
+    keys = np.append(keys[keys != pack_one(half)], np.uint32(pack_one(half)))
+    labels = canvas.bare(palette.known_labels(canvas, plateaus, keys, 2.0))
+    known = labels == keys.size - 1
+    assert known[4:9, 4:9].all() and known.sum() == 25
 
 
 def pack_one(colour):

@@ -7,12 +7,11 @@ import io
 
 import numpy as np
 import pytest
-from artwork import CARTOON, disc, draw, everywhere, palette_of
+from artwork import CARTOON, box, disc, draw, everywhere, palette_of, stroke
 
 from ddtcore.canvas import prepare, unpack
 from ddtcore.noise import ROUNDING
 from ddtcore.options import TraceOptions
-from ddtcore.palette import find_plateaus
 from ddtcore.regions import label_pixels
 from ddtcore.ringing import BEYOND, is_ringing, without_ringing
 
@@ -44,8 +43,7 @@ def jpeg(image, quality):
 
 
 def rings(image):
-    canvas = prepare(image)
-    return is_ringing(canvas, find_plateaus(canvas, np.zeros(canvas.shape, bool)).core)
+    return is_ringing(prepare(image))
 
 
 def is_flat(image):
@@ -98,6 +96,43 @@ def test_a_dark_grey_does_not_ring_as_far_as_black():
                (DARK, lambda x, y: outline(x, y, 80, 4))]
     labels = label_pixels(resized(draw(200, 200, drawing), 0.5), TraceOptions())
     assert palette_of(labels) == {WHITE, DARK}
+
+
+def test_faint_edges_are_edges():
+    """A shade that differs by 15 levels rings by one; ripples are no ramps."""
+    shade = (222, 197, 153, 255)
+    drawing = [((237, 212, 168, 255), everywhere), (BLACK, disc(60, 60, 40)), (shade, disc(150, 150, 36)),
+               (shade, disc(150, 50, 30)), (WHITE, disc(60, 60, 36))]
+    image = resized(draw(200, 200, drawing), 0.7)
+    assert rings(image)
+    assert palette_of(label_pixels(image, TraceOptions())) == {colour for colour, _ in drawing}
+
+
+@pytest.mark.parametrize("factor", [0.5, 0.7])
+def test_faint_strokes_go_on(factor):
+    """A line of half a pixel between two pale areas shows a third of its black at most."""
+    pale = (194, 255, 255, 255)
+    angle = 0.3
+    drawing = [(pale, everywhere), (WHITE, lambda x, y: y > 100 + (x - 100) * np.tan(angle)),
+               (BLACK, stroke(100, 100, angle, 0.55 / factor, 90)), (BLACK, disc(40, 160, 20))]
+    image = resized(draw(200, 200, drawing), factor)
+    labels = label_pixels(image, TraceOptions())
+    assert palette_of(labels) == {pale, WHITE, BLACK}
+    size = len(image)
+    x = np.arange(round(0.2 * size), round(0.8 * size))
+    y = size / 2 + (x + 0.5 - size / 2) * np.tan(angle)
+    black = (labels.palette[labels.index, :3] == 0).all(axis=-1)
+    near = np.stack([black[np.floor(y + step).astype(int), x] for step in (-1, 0, 1)]).any(axis=0)
+    assert near.mean() > 0.97
+
+
+def test_a_mix_of_others_stays_beside_its_areas():
+    """Two rows of a black stroke that are nearly the dark grey of an area far away are black all the same."""
+    drawing = [(WHITE, everywhere), (DARK, disc(40, 40, 30)), (BLACK, disc(150, 40, 30)),
+               (BLACK, box(20, 120.4, 180, 123.6)), (BLACK, box(20, 150.4, 180, 153.6))]
+    labels = label_pixels(resized(draw(200, 200, drawing), 0.5), TraceOptions())
+    grey = np.argwhere(labels.palette[labels.index, 0] == DARK[0])
+    assert len(grey) and grey[:, 0].max() < 40
 
 
 def test_transparent_art():

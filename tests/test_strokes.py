@@ -133,6 +133,17 @@ def test_no_new_colours_where_the_palette_explains_all():
     assert not strokes.new_colours(canvas, cells, ridges, planes(keys, True), labels, 2.0).size
 
 
+def test_a_new_colour_is_no_mix_of_one_that_was_found():
+    """A black stroke between blue and white in two rows, each a mix of its own."""
+    blue = (0, 51, 217, 255)
+    image = draw(90, 90, [(WHITE, everywhere), (blue, box(0, 0, 90, 30.6)), (BLACK, box(0, 29.75, 90, 31.15)),
+                          (BLACK, stroke(45, 60, 0.7, 1.3, 25)), (BLACK, stroke(30, 15, 2.5, 1.3, 10))])
+    canvas, keys, labels, ridges = ridges_of(image)
+    cells = canvas.cells(canvas.bare(labels) < 0)
+    found = strokes.new_colours(canvas, cells, ridges, planes(keys, True), labels, 2.0)
+    assert unpack(found).tolist() == [list(BLACK)]
+
+
 @pytest.mark.parametrize("angle", ANGLES)
 def test_a_tip_is_followed_until_it_is_faint(angle):
     """A wedge that narrows by 0.02 px per px has a coverage of 0.1 some 5 px before its tip."""
