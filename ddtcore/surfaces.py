@@ -49,7 +49,8 @@ _SMOOTH = 3
 
 
 def separate(canvas: Canvas, ramps: np.ndarray, count: int, free: np.ndarray,
-             fit: float = FIT, piece: int = AREA) -> Tuple[np.ndarray, List[Surface]]:
+             fit: float = FIT, piece: int = AREA,
+             joint: float = 0.5) -> Tuple[np.ndarray, List[Surface]]:
     """Part the ramps that no single gradient explains, and extend all to free pixels.
 
     Parameters
@@ -65,6 +66,8 @@ def separate(canvas: Canvas, ramps: np.ndarray, count: int, free: np.ndarray,
         How far pixels may be from the surface of their ramp, levels of a channel.
     piece : int
         Smallest connected piece of a surface, px².
+    joint : float
+        Share of `fit` within which one gradient has to explain two ramps that are to be one.
 
     Returns
     -------
@@ -100,7 +103,7 @@ def separate(canvas: Canvas, ramps: np.ndarray, count: int, free: np.ndarray,
     renumber(ramps, number)
     for window, mask, parts in pieces:
         ramps[window][mask] = parts
-    surfaces = _joined(canvas, ramps, surfaces, fit, fit / 2 if piece == AREA else fit)
+    surfaces = _joined(canvas, ramps, surfaces, fit, joint * fit)
     extend(canvas, ramps, surfaces, free, fit)
     return ramps, surfaces
 

@@ -121,7 +121,7 @@ def find_soft(canvas: Canvas, noise: float) -> Optional[Soft]:
         return None
     flat = np.append(~steep & (size >= FLAT), False)[slopes]
     renumber(slopes, _numbers(steep))
-    slopes, surfaces = separate(even, slopes, int(steep.sum()), ~flat, max(FIT, noise / LEFT), PIECE)
+    slopes, surfaces = separate(even, slopes, int(steep.sum()), ~flat, max(FIT, noise / LEFT), PIECE, 1.0)
     size, steep = _steep(even, slopes, surfaces, margins)
     if size[steep].sum() < SLOPING * slopes.size:
         return None

@@ -41,15 +41,17 @@ ROOMS = {
     "the whole": "pipeline model options choice budget reduction parts",
     "from outside": "__init__ __main__ cli files progress report compare inkscape",
     "picture in": "raster sprites ink enlarged",
-    "pixels to regions": "regions canvas palette noise calm ringing bleeding mixes sides strokes margins ramps"
-                         " surfaces growing spans detached overlays shades astride hairlines scraps uneven unsteady"
+    "pixels to regions": "regions canvas palette noise calm ringing bleeding mixes sides strokes narrow spots"
+                         " margins ramps surfaces growing spans detached overlays shades astride hairlines scraps"
+                         " uneven unsteady"
                          " posterise threshold areas"
                          " merging components",
     "mesh": "triangulation quads cost ribbon flips",
     "outlines": "border outline position flatten unblur staircase lattice",
     "curves": "fit runs corner segments arclength cubic polish newton coverage quadratic bezier",
-    "paint": "paint members gradient field parallels stops tint bands recolour swatches perception",
-    "drawing out": "stacking order loops doors rankmap underlap shortcut grouping svg pathdata",
+    "paint": "paint members gradient samples field parallels stops knots prolonged tint bands recolour swatches"
+             " perception",
+    "drawing out": "stacking order sorting loops doors rankmap underlap shortcut grouping svg pathdata",
 }
 """Modules of ddtcore in the order of reading; new ones appear at the end until they are named here."""
 

@@ -12,6 +12,7 @@ from artwork import CARTOON, disc, draw, everywhere, palette_of
 from ddtcore import trace
 from ddtcore.bleeding import TILE, without_bleeding
 from ddtcore.canvas import prepare, unpack
+from ddtcore.growing import Surface
 from ddtcore.noise import noisy_colours
 from ddtcore.options import TraceOptions
 from ddtcore.palette import find_plateaus
@@ -60,6 +61,22 @@ def test_pictures_are_nearer_to_what_they_were_however_hue_was_kept(subsampling,
     clean = draw(192, 192, LARGE)
     spoilt = jpeg(clean, quality, subsampling)
     assert error(cleared(spoilt, palette_of(label_pixels(clean, TraceOptions()))), clean) < 0.8 * error(spoilt, clean)
+
+
+@pytest.mark.parametrize("quality", [75, 50])
+def test_hue_goes_back_to_ramps_too(quality):
+    """The same stripes, redder from left to right: their colours are those of a surface."""
+    def shade(at):
+        return np.asarray(RED[:3]) + (at[:, :1] / 160 - 0.5) * (80, 40, 20)
+
+    y, x = np.mgrid[:160, :160] + 0.5
+    share = stripes(RED, BLACK, 6)[..., :1] / RED[0]
+    clean = np.full((160, 160, 4), 255, np.uint8)
+    clean[..., :3] = np.rint(share * shade(np.stack([x.ravel(), y.ravel()], axis=1)).reshape(160, 160, 3))
+    spoilt, slopes = jpeg(clean, quality), np.where(share[..., 0] == 1, 0, -1)
+    canvas = prepare(spoilt)
+    clear = without_bleeding(canvas, np.array([BLACK], np.uint8).view(np.uint32)[:, 0], NOISE, slopes, [Surface(shade)])
+    assert error(unpack(canvas.bare(clear.keys)), clean) < 0.6 * error(spoilt, clean)
 
 
 @pytest.mark.parametrize("top", [0, 1])

@@ -8,8 +8,9 @@ import pytest
 from artwork import CARTOON, draw
 
 from ddtcore.canvas import prepare
+from ddtcore.growing import Surface
 from ddtcore.ramps import find_ramps
-from ddtcore.surfaces import AREA, separate
+from ddtcore.surfaces import AREA, extend, separate
 
 SIZE = 96
 Y, X = np.mgrid[:SIZE, :SIZE] + 0.5
@@ -68,6 +69,16 @@ def test_two_areas_whose_border_fades_out_are_parted():
     assert count == 1 and len(surfaces) >= 2
     upper, lower = out[:46, :40][ramps[:46, :40] >= 0], out[55:, :40][ramps[55:, :40] >= 0]
     assert not np.intersect1d(upper[upper >= 0], lower[lower >= 0]).size
+
+
+def test_ramps_are_extended_as_far_as_each_pixel_may_vary():
+    noise = np.random.RandomState(0).uniform(-8, 8, (SIZE, SIZE, 3))
+    canvas = prepare(picture(slope((60, 80, 90), (180, 200, 210)) + noise))
+    surfaces = [Surface(lambda at: over(np.zeros((len(at), 3)) + (60, 80, 90), (180, 200, 210), at[:, 0] / SIZE))]
+    ramps = np.where(X < 40, 0, -1).astype(np.int32)
+    extend(canvas, ramps, surfaces, np.ones(ramps.shape, bool), np.where(X < 60, 10.0, 3.0))
+    assert (ramps[X < 60] == 0).all()
+    assert (ramps[X > 62] == 0).mean() < 0.1
 
 
 def test_surfaces_have_the_colours_of_their_pixels():
