@@ -62,14 +62,14 @@ def test_what_pixels_vary_by_is_nothing_drawn_but_a_stroke_is(seed):
     ripples = random.repeat(8, axis=0).repeat(8, axis=1)
     surface = Surface(lambda at: np.stack([250 - 1.2 * at[:, 1], 140 + 0.5 * at[:, 1], 20 + 0 * at[:, 0]], axis=-1))
     found = []
-    for doubt in (None, np.full((SIZE + 2 * RIM) ** 2, 12.0)):
+    for doubt in (None, np.full((SIZE + 2 * RIM) ** 2, 14.0)):
         image = picture(0.14 * stroke(3.0), (0, 0, 0))
         image[..., :3] = np.rint(np.clip(image[..., :3] + ripples, 0, 255))
         canvas, ramps = prepare(image), np.where((stroke(3.0) > 0) | (abs(ripples[..., 0]) > 8), -1, 0).astype(np.int32)
         none = np.full(canvas.keys.size, -1, np.int32)
         found.append((add_drawn(canvas, ramps, [surface], np.zeros(0, np.uint32), none, doubt)[0] - 1, ramps))
     assert found[0][0] > 3
-    assert 1 <= found[1][0] <= 2
+    assert found[1][0] == 1
     assert (found[1][1][stroke(3.0) == 1] >= 1).mean() > 0.8
     assert (found[1][1][abs(ACROSS) > 5] < 1).all()
 
