@@ -81,7 +81,7 @@ class Canvas:
 
     def colours(self, cells: np.ndarray) -> np.ndarray:
         """Premultiplied colours of pixels, float32 (C, ...); C is 3 for an opaque picture, else 4."""
-        return planes(self.keys[cells], self.opaque)
+        return planes(self.keys.take(cells), self.opaque)
 
     def mixing(self, rgba: np.ndarray) -> np.ndarray:
         """Premultiplied planes, float32 (C, K), of RGBA colours (K, 4)."""

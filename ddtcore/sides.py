@@ -99,7 +99,7 @@ def near_samples(labels: np.ndarray, cells: np.ndarray, stride: int) -> Tuple[np
     def scan(steps: np.ndarray, some: np.ndarray) -> None:
         at, have, known = cells[some], count[some], found[:, some]
         for step in steps:
-            near = labels[at + step]
+            near = labels.take(at + step)
             new = (near >= 0) & (have < SLOTS)
             for slot in known:
                 new &= near != slot

@@ -97,12 +97,12 @@ def find_ridges(canvas: Canvas, cells: np.ndarray, noise: float) -> Ridges:
         size = length(off)
         peak = (size > least) & (size > height) & canvas.holds(cells - step) & canvas.holds(cells + step)
         # Only a neighbour that stands out to the same side belongs to the same stroke.
-        peak &= (size >= size[before]) | (before < 0) | (dot(off, off[:, before]) <= 0)
-        peak &= (size > size[after]) | (after < 0) | (dot(off, off[:, after]) <= 0)
-        height[peak] = size[peak]
-        one[:, peak], other[:, peak] = a[:, peak], b[:, peak]
+        peak &= (size >= size[before]) | (before < 0) | (dot(off, off.take(before, axis=1)) <= 0)
+        peak &= (size > size[after]) | (after < 0) | (dot(off, off.take(after, axis=1)) <= 0)
+        for known, new in ((height, size), (one, a), (other, b)):
+            np.copyto(known, new, where=peak)
     kept = np.flatnonzero(height > 0)
-    here, one, other = here[:, kept], one[:, kept], other[:, kept]
+    here, one, other = (part.take(kept, axis=1) for part in (here, one, other))
     return Ridges(cells[kept], here, one, other, excess(here, one, other))
 
 
