@@ -167,12 +167,7 @@ def _one_side(runs: Runs, index: np.ndarray, valid: np.ndarray, knot: np.ndarray
     points = runs.points.take(index, axis=0)
     weight = np.where(valid, runs.weight[index], 0)
     count = valid.sum(axis=1)
-    piece = np.hypot(*np.moveaxis(np.diff(points, axis=1), 2, 0))
-    u = np.concatenate([np.zeros((len(index), 1)), np.cumsum(piece, axis=1)], axis=1)
-    design = np.stack([np.ones_like(u), u, u * u], axis=-1)
-    normal = np.einsum("rk,rki,rkj->rij", weight, design, design)
-    normal[:, [0, 1, 2], [0, 1, 2]] += [1e-6, 1e-6, 0.3]
-    side = np.linalg.solve(normal, np.einsum("rk,rki,rkd->rid", weight, design, points))
+    side = parabolas(points, weight, 0.3)
     few = count < 2
     point, tangent = side[:, 0], side[:, 1]
     point[few] = knot[few]
@@ -180,6 +175,21 @@ def _one_side(runs: Runs, index: np.ndarray, valid: np.ndarray, knot: np.ndarray
     length = np.hypot(*tangent.T)
     tangent = np.where(length[:, None] > 1e-9, tangent / np.maximum(length, 1e-9)[:, None], [1.0, 0.0])
     return point, tangent, np.where(few, 0, np.minimum(count / 4.0, 1)) ** 2
+
+
+def parabolas(points: np.ndarray, weight: np.ndarray, firmness: float, origin: int = 0) -> np.ndarray:
+    """Coefficients (R, 3, 2) of parabolas through points (R, K, 2) with weights (R, K).
+
+    They go by the way along the points from the one numbered `origin`; `firmness` keeps them from bending.
+    """
+    piece = np.hypot(*np.moveaxis(np.diff(points, axis=1), 2, 0))
+    u = np.concatenate([np.zeros((len(points), 1)), np.cumsum(piece, axis=1)], axis=1)
+    u -= u[:, origin:origin + 1].copy()
+    design = np.stack([np.ones_like(u), u, u * u], axis=-1)
+    weighted = (design * weight[..., np.newaxis]).transpose(0, 2, 1)
+    normal = weighted @ design
+    normal[:, [0, 1, 2], [0, 1, 2]] += [1e-6, 1e-6, firmness]
+    return np.linalg.solve(normal, weighted @ points)
 
 
 def _place_junctions(runs: Runs, n: int, size: Tuple[float, float]) -> np.ndarray:

@@ -9,7 +9,7 @@ from typing import List, NamedTuple, Tuple
 import numpy as np
 
 from .cubic import Ends, Fit, Track, fit_candidates
-from .runs import Runs, end_lines
+from .runs import Runs, end_lines, parabolas
 
 HALVED = 4.0
 """A piece that misses its tolerance by less than this factor is parted in its middle, others where they miss most."""
@@ -69,15 +69,8 @@ def _node(runs: Runs, at: np.ndarray, low: np.ndarray, high: np.ndarray,
     """Position and unit tangent at points `at`, from a parabola through their neighbours."""
     index = at[:, None] + np.arange(-reach, reach + 1)
     valid = (index >= low[:, None]) & (index < high[:, None])
-    points = runs.points[np.clip(index, 0, len(runs.points) - 1)]
-    weight = np.where(valid, runs.weight[np.clip(index, 0, len(runs.points) - 1)], 0)
-    piece = np.hypot(*np.moveaxis(np.diff(points, axis=1), 2, 0))
-    u = np.concatenate([np.zeros((len(at), 1)), np.cumsum(piece, axis=1)], axis=1)
-    u -= u[:, reach:reach + 1]
-    design = np.stack([np.ones_like(u), u, u * u], axis=-1)
-    normal = np.einsum("rk,rki,rkj->rij", weight, design, design)
-    normal[:, [0, 1, 2], [0, 1, 2]] += [1e-6, 1e-6, 0.05]
-    side = np.linalg.solve(normal, np.einsum("rk,rki,rkd->rid", weight, design, points))
+    index = np.clip(index, 0, len(runs.points) - 1)
+    side = parabolas(runs.points.take(index, axis=0), np.where(valid, runs.weight[index], 0), 0.05, reach)
     tangent = side[:, 1]
     return side[:, 0], tangent / np.maximum(np.hypot(*tangent.T), 1e-9)[:, None]
 
