@@ -175,10 +175,13 @@ def _gather(canvas: Canvas, keys: np.ndarray, spans: np.ndarray, found: List[np.
             centre = _centre(keys[off <= noise], original) if (off <= noise).any() else centre
         alike = off <= margin
         known, own = (planes(np.array(some, np.uint32), canvas.opaque) for some in (found, [centre]))
-        least = crowds[np.abs(known - own).max(axis=0).argmin()] if found else 0
+        apart = np.abs(known - own).max(axis=0)
+        least = crowds[apart.argmin()] if found else 0
         flat = np.count_nonzero(alike & (spans <= margin))
         mixed = is_mixed(own, known, max(MIXED, _BLED * noise))[0]
-        if (flat if least or mixed else np.count_nonzero(alike)) >= max(_FEW, least):
+        # Means of what the original noise made alike are mixes, too.
+        told = not mixed or apart.min() > original
+        if told and (flat if least or mixed else np.count_nonzero(alike)) >= max(_FEW, least):
             found.append(centre)
             crowds.append(least and flat / _MINOR)
         left = (off > 2 * margin) & (keys != mode)

@@ -10,9 +10,9 @@ import pytest
 from artwork import CARTOON, colours_of, disc, draw, everywhere, palette_of
 
 from ddtcore.calm import without_grain
-from ddtcore.canvas import prepare
+from ddtcore.canvas import prepare, unpack
 from ddtcore.components import label_components
-from ddtcore.noise import ROUNDING, mixing_error, noise_level
+from ddtcore.noise import ROUNDING, mixing_error, noise_level, noisy_colours
 from ddtcore.options import TraceOptions
 from ddtcore.palette import choose_colours, find_plateaus, known_labels
 from ddtcore.posterise import is_noisy, posterise
@@ -185,3 +185,18 @@ def test_faint_edges_are_no_noise():
     image = draw(60, 60, [((255, 255, 255, 255), everywhere), (shades[0], disc(30, 30, 24)),
                           (shades[1], disc(22.3, 30.2, 9)), (shades[2], disc(37.6, 29.7, 9))])
     assert level(image) == (ROUNDING, False)
+
+
+@pytest.mark.parametrize("original, told", [(12.0, True), (18.0, False)])
+def test_mixes_within_the_noise_that_was_averaged_away_are_no_colours(original, told):
+    """Averages of 3 x 3 of two dark colours 32 levels apart, where the noise had made them alike."""
+    image = np.full((160, 160, 4), 255, np.uint8)
+    image[..., :3] = 0
+    image[:, 80:, :3] = 32
+    for top in range(4, 150, 12):
+        for left in range(4, 70, 12):
+            image[top:top + 6, left:left + 6, :3] = np.random.RandomState(top + left).randint(12, 20, (6, 6, 1))
+    canvas = prepare(image)
+    found = noisy_colours(canvas, find_plateaus(canvas, np.zeros(canvas.shape, bool)), 4.8, original)
+    assert sorted(int(rgba[0]) for rgba in unpack(found))[::len(found) - 1] == [0, 32]
+    assert len(found) == 2 + told
