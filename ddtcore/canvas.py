@@ -134,6 +134,15 @@ def planes(keys: np.ndarray, opaque: bool) -> np.ndarray:
     return out
 
 
+def within(values: np.ndarray, reach: int, combine: np.ufunc) -> np.ndarray:
+    """Sums, or highest or lowest values, of planes (C, H, W) in the squares that reach so far from each pixel."""
+    for axis in (1, 2):
+        values = values.swapaxes(1, axis)
+        padded = np.pad(values, [(0, 0), (reach, reach), (0, 0)], mode="edge")
+        values = combine.reduce([padded[:, k:k + values.shape[1]] for k in range(2 * reach + 1)]).swapaxes(1, axis)
+    return values
+
+
 def mean_colours(canvas: Canvas, index: np.ndarray) -> np.ndarray:
     """Mean colour of the pixels of each label.
 

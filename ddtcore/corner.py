@@ -14,6 +14,7 @@ from typing import List, NamedTuple, Tuple
 import numpy as np
 
 from .arclength import Arclength
+from .loops import kept_on
 from .model import PlanarMap, Polylines
 
 STEP = 0.5
@@ -125,11 +126,7 @@ def _bends(points: np.ndarray, arc: np.ndarray, ring: np.ndarray) -> Tuple[np.nd
     offset = np.arange(len(arc)) - head
 
     def beside(step: int) -> np.ndarray:
-        there = offset + step
-        out = np.flatnonzero((there < 0) | (there >= count))
-        there[out] = np.where(closed[out], there[out] % count[out], np.clip(there[out], 0, count[out] - 1))
-        there += head
-        return np.asarray(points[there])
+        return np.asarray(points[head + kept_on(offset + step, count, closed)])
 
     def turn(k: int) -> np.ndarray:
         return np.asarray((beside(k) - points) * (points - beside(-k)).conj())

@@ -48,6 +48,7 @@ _SQUARE = 3.0
 _MANY = 64
 """Regions that are worked on at a time."""
 
+
 class Wanted(NamedTuple):
     """A region for which a gradient is looked for.
 

@@ -64,6 +64,14 @@ def half_ranges(starts: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     return first, np.repeat(np.diff(starts), 2)
 
 
+def kept_on(place: np.ndarray, count: np.ndarray, ring: np.ndarray) -> np.ndarray:
+    """Places along arcs of `count` items, in place: what lies beyond an end is at it, or goes on round a ring."""
+    out = np.flatnonzero((place < 0) | (place >= count))
+    size = count[out]
+    place[out] = np.where(ring[out], place[out] % size, np.clip(place[out], 0, size - 1))
+    return place
+
+
 def ranges(first: np.ndarray, count: np.ndarray) -> np.ndarray:
     """The integers of many ranges, one after the other."""
     before = np.cumsum(count) - count

@@ -78,7 +78,7 @@ def ripple_level(canvas: Canvas, core: np.ndarray) -> float:
     bends = [canvas.colours(cells - step) + canvas.colours(cells + step) - 2 * here
              for step in (1, canvas.stride)]
     uneven = (np.abs(bends).max(axis=(0, 1)) > _UNEVEN) & (span <= _HIGH)
-    uneven[uneven] = ~_between_plateaus(canvas, core, cells[uneven], span[uneven])
+    uneven[uneven] = ~between_plateaus(canvas, core, cells[uneven], span[uneven], 2)
     rippled = np.mean(uneven & (span <= _LOW))
     if rippled < 0.05 or rippled * share < 0.005:
         return ROUNDING
@@ -122,14 +122,15 @@ def _spans(canvas: Canvas, cells: np.ndarray) -> np.ndarray:
     return np.asarray((around.max(axis=1) - around.min(axis=1)).max(axis=0))
 
 
-def _between_plateaus(canvas: Canvas, core: np.ndarray, cells: np.ndarray, span: np.ndarray) -> np.ndarray:
-    """Whether pixels lie between plateaus that differ as much as their surroundings: edges, however faint."""
-    around = cells + window(canvas.stride, 1, 2)[:, None]
+def between_plateaus(canvas: Canvas, core: np.ndarray, cells: np.ndarray, span: np.ndarray,
+                     reach: int) -> np.ndarray:
+    """Whether pixels lie between plateaus, within reach, that differ as much as their surroundings: faint edges."""
+    around = cells + window(canvas.stride, 1, reach)[:, None]
     colours, flat = canvas.colours(around), canvas.rimmed(core, False)[around]
     highest = np.where(flat, colours, -np.inf).max(axis=1)
     lowest = np.where(flat, colours, np.inf).min(axis=1)
-    reach = (highest - lowest).max(axis=0)
-    return np.asarray((reach > _APART) & (reach >= 0.8 * span))
+    apart = (highest - lowest).max(axis=0)
+    return np.asarray((apart > _APART) & (apart >= 0.8 * span))
 
 
 def noisy_colours(canvas: Canvas, plateaus: Plateaus, noise: float, original: float,

@@ -17,6 +17,7 @@ from typing import List, Optional, Tuple
 import numpy as np
 
 from .border import barycentres
+from .loops import kept_on
 from .model import Labels, Mesh, PlanarMap, Polylines
 from .options import TraceOptions
 from .parts import in_parts
@@ -204,14 +205,11 @@ def _junction_means(mesh: Mesh, planar: PlanarMap, raw: np.ndarray) -> np.ndarra
 
 def _tangents(planar: PlanarMap, arc: np.ndarray, raw: np.ndarray) -> np.ndarray:
     """Direction of each arc at its crossings, from two crossings before to two after."""
-    first, length = planar.starts[arc], np.diff(planar.starts)[arc]
+    first, length, closed = planar.starts[arc], np.diff(planar.starts)[arc], planar.rings[arc]
 
     def beside(step: int) -> np.ndarray:
         place = np.arange(step, len(raw) + step) - first
-        beyond = np.flatnonzero((place < 0) | (place >= length))
-        size = length[beyond]
-        place[beyond] = np.where(planar.rings[arc[beyond]], place[beyond] % size, np.clip(place[beyond], 0, size - 1))
-        return np.asarray(raw.take(first + place, axis=0))
+        return np.asarray(raw.take(first + kept_on(place, length, closed), axis=0))
 
     return np.asarray(beside(2) - beside(-2))
 

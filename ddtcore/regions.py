@@ -32,7 +32,7 @@ from . import (
     unsteady,
 )
 from .calm import LEFT, without_grain
-from .canvas import Canvas, mean_colours, planes, prepare, unpack
+from .canvas import Canvas, mean_colours, planes, prepare, unpack, within
 from .growing import Surface
 from .model import Labels
 from .noise import ROUNDING, SPECK, mixing_error, noise_level, noisy_colours, ripple_level
@@ -159,7 +159,7 @@ def _know_soft(soft: unsteady.Soft) -> _Known:
     plateaus, keys, clear = palette.find_plateaus(canvas, slopes >= 0), _with_inks(canvas, keys, inks), None
     if bled is not None:
         keys = np.append(keys, _stroke_colours(canvas, slopes, plateaus, keys, noise))
-        drawn = canvas.rimmed(_widened(slopes >= len(found)), False)
+        drawn = canvas.rimmed(within((slopes >= len(found))[np.newaxis], 2, np.maximum)[0], False)
         clear = bleeding.without_bleeding(bled, keys, noise / unsteady.RIPPLED, slopes, found)
         clear = canvas = replace(canvas, keys=np.where(drawn, canvas.keys, clear.keys))
     return _Known(canvas, slopes, [*found, *[None] * (count - len(found))], plateaus, keys,
@@ -173,14 +173,6 @@ def _stroke_colours(canvas: Canvas, slopes: np.ndarray, plateaus: palette.Platea
     labels = palette.known_labels(canvas, plateaus, keys, noise)
     ridges = strokes.find_ridges(canvas, cells, noise / 2)
     return strokes.new_colours(canvas, cells, ridges, planes(keys, canvas.opaque), labels, noise / 2)
-
-
-def _widened(mask: np.ndarray) -> np.ndarray:
-    """The pixels of a mask, and those within two of them."""
-    for axis in (0, 1):
-        lines = np.pad(mask.swapaxes(0, axis), [(2, 2), (0, 0)], mode="constant")
-        mask = np.logical_or.reduce([lines[k:len(lines) - 4 + k] for k in range(5)]).swapaxes(0, axis)
-    return mask
 
 
 def _label_rest(known: _Known) -> Labels:

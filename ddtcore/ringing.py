@@ -13,11 +13,10 @@ from typing import Tuple
 
 import numpy as np
 
-from .canvas import RIM, Canvas, planes
-from .noise import ROUNDING, unlike
+from .canvas import RIM, Canvas, planes, within
+from .noise import ROUNDING, between_plateaus, unlike
 from .palette import find_plateaus, is_mixed
 from .parts import in_parts
-from .sides import window
 
 LEFT = 8.0
 """How much pixels vary at most when ripples have been taken off, levels."""
@@ -30,9 +29,6 @@ SPECK = 6.0
 
 CALM = 24
 """Largest range of a channel within 7 x 7 pixels without an edge, levels."""
-
-FAINT = 0.8
-"""Share of such a range that plateaus differ by where there is an edge all the same."""
 
 RARE = 0.01
 """Share of uneven pixels far from all edges from which there is more than ringing."""
@@ -60,18 +56,8 @@ def is_ringing(canvas: Canvas) -> bool:
     low, high = _ranges(canvas)
     span = (high[:, cells] - low[:, cells]).max(axis=0)
     calm = span <= CALM
-    calm[calm] = ~_between_plateaus(canvas, core, cells[calm], span[calm])
+    calm[calm] = ~between_plateaus(canvas, core, cells[calm], span[calm], RIM)
     return bool(np.mean(calm) < RARE)
-
-
-def _between_plateaus(canvas: Canvas, core: np.ndarray, cells: np.ndarray, span: np.ndarray) -> np.ndarray:
-    """Whether the range within 7 x 7 of pixels is that of plateaus there: a faint edge."""
-    around = cells + window(canvas.stride, 1, RIM)[:, None]
-    colours, flat = canvas.colours(around), canvas.rimmed(core, False)[around]
-    highest = np.where(flat, colours, -np.inf).max(axis=1)
-    lowest = np.where(flat, colours, np.inf).min(axis=1)
-    apart = (highest - lowest).max(axis=0)
-    return np.asarray((apart > LEFT) & (apart >= FAINT * span))
 
 
 def without_ringing(canvas: Canvas) -> Tuple[Canvas, np.ndarray]:
@@ -102,7 +88,7 @@ def _reached(canvas: Canvas, core: np.ndarray, cells: np.ndarray, known: np.ndar
     for k in np.flatnonzero(is_mixed(colours, colours)):
         flat = canvas.rimmed(core, False).reshape(-1, canvas.stride)
         flat &= (canvas.keys == known[k]).reshape(flat.shape)
-        reached[k] = _widest(flat[np.newaxis], np.maximum).ravel()[cells]
+        reached[k] = within(flat[np.newaxis], RIM, np.maximum).ravel()[cells]
     return reached
 
 
@@ -144,14 +130,5 @@ def _clipped_strokes(canvas: Canvas, cells: np.ndarray, span: np.ndarray, known:
 def _ranges(canvas: Canvas) -> Tuple[np.ndarray, np.ndarray]:
     """Lowest and highest values of each channel within 7 x 7 of each pixel, int16 (C, P)."""
     values = planes(canvas.keys.reshape(-1, canvas.stride), canvas.opaque).astype(np.int16)
-    low, high = (_widest(values, extreme).reshape(len(values), -1) for extreme in (np.minimum, np.maximum))
+    low, high = (within(values, RIM, extreme).reshape(len(values), -1) for extreme in (np.minimum, np.maximum))
     return low, high
-
-
-def _widest(values: np.ndarray, extreme: np.ufunc) -> np.ndarray:
-    """An extreme of planes (C, H, W) within 7 x 7."""
-    for axis in (1, 2):
-        values = values.swapaxes(1, axis)
-        padded = np.pad(values, [(0, 0), (RIM, RIM), (0, 0)], mode="edge")
-        values = extreme.reduce([padded[:, k:k + values.shape[1]] for k in range(2 * RIM + 1)]).swapaxes(1, axis)
-    return values

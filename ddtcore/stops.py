@@ -36,6 +36,7 @@ _TRIED = np.sort(np.concatenate([_TRIED, *([k / 4 / _PLACES, 1 - k / 4 / _PLACES
 _PAIRS = np.stack([_TRIED[end] for end in np.triu_indices(len(_TRIED), 1)])
 """Any two of them, (2, L)."""
 
+
 class Profile(NamedTuple):
     """Colours along a gradient, in bins.
 

@@ -14,7 +14,7 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 import numpy as np
 
 from .calm import calm
-from .canvas import RIM, Canvas, planes
+from .canvas import RIM, Canvas, planes, within
 from .growing import FIT, Surface, gradient_surface
 from .noise import REDUCED, ROUNDING, noisy_colours, unlike
 from .palette import Plateaus, find_plateaus
@@ -168,17 +168,8 @@ def _of_dots(canvas: Canvas) -> np.ndarray:
     height = (np.abs(off).max(axis=0) * dot).max(axis=0)
     height[height > DOT] = 0
     height = np.pad(height, 1, mode="constant")
-    several = _filtered((height > 0)[None], np.add)[0] >= DOTS
-    return np.asarray((_filtered(height[None], np.maximum)[0] * several).ravel())
-
-
-def _filtered(values: np.ndarray, combine: np.ufunc) -> np.ndarray:
-    """Sums, or highest or lowest values, in 5 x 5 of planes (C, h, w)."""
-    for axis in (1, 2):
-        lines = values.swapaxes(1, axis)
-        padded = np.pad(lines, [(0, 0), (2, 2), (0, 0)], mode="edge").astype(np.float32)
-        values = combine.reduce([padded[:, k:k + lines.shape[1]] for k in range(5)]).swapaxes(1, axis)
-    return values
+    several = within((height > 0)[None].astype(np.int8), 2, np.add)[0] >= DOTS
+    return np.asarray((within(height[None], 2, np.maximum)[0] * several).ravel())
 
 
 def _beside_edges(canvas: Canvas, noise: float) -> np.ndarray:
@@ -190,7 +181,7 @@ def _beside_edges(canvas: Canvas, noise: float) -> np.ndarray:
     rims = [(0, -size % BLOCK) for size in canvas.shape]
     values = np.pad(values, [(0, 0), *rims], mode="edge")
     blocks = values.reshape(len(values), values.shape[1] // BLOCK, BLOCK, -1, BLOCK)
-    high, low = (_filtered(extreme.reduce(blocks, axis=(2, 4)), extreme) for extreme in (np.maximum, np.minimum))
+    high, low = (within(extreme.reduce(blocks, axis=(2, 4)), 2, extreme) for extreme in (np.maximum, np.minimum))
     span = (high - low).max(axis=0)
     margin = noise * np.minimum(1 / LEFT + (1 - 1 / LEFT) / STRONG * span, 1)
     margin = margin.repeat(BLOCK, axis=0).repeat(BLOCK, axis=1)
