@@ -73,9 +73,10 @@ def _levels(rgb: np.ndarray) -> Tuple[int, int, int]:
 def strengthened(tint: Gradient, base: Gradient, samples: Samples) -> Gradient:
     """A tint of `base` as the samples that are covered in full tell it: narrow things, and tips, are not everywhere."""
     below, before = colours_at(base, samples.points)[:, :3], np.ones(len(samples.points), bool)
+    colour = samples.colour[:, :3]
     for _ in range(_ROUNDS):
         change = colours_at(tint, samples.points)[:, :3] - below
-        cover = ((samples.colour - below) * change).sum(axis=1) / np.maximum((change ** 2).sum(axis=1), 1)
+        cover = ((colour - below) * change).sum(axis=1) / np.maximum((change ** 2).sum(axis=1), 1)
         fullest = weighted_quantile(cover, samples.count, _FULLEST)
         full = cover >= min(fullest, _FULL * fullest)
         if (full == before).all():

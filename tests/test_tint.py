@@ -64,6 +64,18 @@ def test_a_tint_that_is_covered_in_full_stays(base):
     assert np.abs(before - after).max() <= 2
 
 
+def test_alpha_beside_an_opaque_thing_changes_nothing():
+    """Other ramps of the picture may be translucent: all samples have a fourth channel then."""
+    base = BASES[0]
+    samples = stroke(base, 0.3, (90, 0, 0))
+    alpha = np.full((len(samples.points), 1), 255.0)
+    with_alpha = samples._replace(colour=np.concatenate([samples.colour, alpha], axis=1))
+    tint = tinted(base, samples)
+    assert strengthened(tint, base, with_alpha) == strengthened(tint, base, samples)
+    other = replace(base, end=(40.0, 30.0))
+    assert cheaper(other, tint, base, with_alpha) == cheaper(other, tint, base, samples)
+
+
 def test_what_is_no_tint_at_all_is_not_strengthened():
     samples = stroke(BASES[0], 0.0, (0, 0, 0))
     assert np.abs(colours_at(strengthened(BASES[0], BASES[0], samples), samples.points)[:, :3]
