@@ -177,14 +177,17 @@ def _polynomial(ramp: Ramp, part: np.ndarray) -> Surface:
     return Surface(lambda at: terms(at).dot(values))
 
 
-def fitted_surfaces(ramps: Iterable[Tuple[np.ndarray, np.ndarray]]) -> List[Surface]:
-    """The gradients of some ramps, or else their median colours, by the centres and colours of their pixels."""
+def fitted_surfaces(ramps: Iterable[Tuple[np.ndarray, np.ndarray]], beyond: float = _BEYOND) -> List[Surface]:
+    """The gradients of some ramps, or else their median colours, by the centres and colours of their pixels.
+
+    They go on for so many px `beyond` these.
+    """
     middles = []
 
     def wanted() -> Iterator[Wanted]:
         for points, colour in ramps:
             middles.append(np.median(colour, axis=0))
-            reach = np.concatenate([points - _BEYOND, points + _BEYOND])
+            reach = np.concatenate([points - beyond, points + beyond])
             some = np.linspace(0, len(points) - 1, min(len(points), _FITTED)).astype(int)
             count = np.full(some.size, len(points) / some.size)
             yield Wanted(Samples(points[some], colour[some].astype(np.float64), count), reach)

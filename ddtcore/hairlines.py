@@ -75,10 +75,10 @@ class Inks:
         if length(off).max() < CLEAR:
             return None
         for inks in (_PURE, _beyond(here, off)):
-            off, share = _mixes(here, sides, present, planes(inks, self._canvas.opaque))
+            off, share = mixes_with(here, sides, present, planes(inks, self._canvas.opaque))
             middle = np.median(off, axis=0)
             best = int(np.argmax(middle <= middle.min() + _SURE))
-            crest, width = self._profile(self._cells[some], share[:, best])
+            crest, width = profile(self._cover, self._cells[some], share[:, best], self._canvas.stride)
             if crest.any() and np.median(off[crest, best]) <= OFF:
                 cover = share[crest, best]
                 thin = width <= WIDTH * np.percentile(cover, FULLEST)
@@ -89,17 +89,9 @@ class Inks:
         """Whether pixels are too few to tell an ink, and mixes with one of those (K,) that were found."""
         if some.size >= AREA or not inks.size:
             return False
-        off, _ = _mixes(self._canvas.colours(self._cells[some]), self._sides[..., some], self._present[:, some],
-                        planes(inks, self._canvas.opaque))
+        off, _ = mixes_with(self._canvas.colours(self._cells[some]), self._sides[..., some], self._present[:, some],
+                            planes(inks, self._canvas.opaque))
         return bool(np.median(off, axis=0).min() <= OFF)
-
-    def _profile(self, cells: np.ndarray, share: np.ndarray) -> Tuple[np.ndarray, float]:
-        """Which pixels lie on the crest of a stroke, and how much is covered across it there, px."""
-        self._cover[cells] = share
-        near = self._cover[cells + window(self._canvas.stride, 1, 1)[:, None]]
-        self._cover[cells] = 0
-        crest = (share > 0) & (share >= _CREST * near.max(axis=0))
-        return crest, float(np.average(near.sum(axis=0) + share, weights=crest * share + 1e-9)) / 3
 
 
 def _beyond(here: np.ndarray, off: np.ndarray) -> np.ndarray:
@@ -110,8 +102,8 @@ def _beyond(here: np.ndarray, off: np.ndarray) -> np.ndarray:
     return rgba.view(np.uint32)[:, 0]
 
 
-def _mixes(here: np.ndarray, sides: np.ndarray, present: np.ndarray,
-           inks: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+def mixes_with(here: np.ndarray, sides: np.ndarray, present: np.ndarray,
+               inks: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """Distance of each colour (C, N) from the nearest mix of two sides and an ink, and its share, (N, K)."""
     nearest = np.full((here.shape[1], inks.shape[1]), np.inf, np.float32)
     share = np.zeros_like(nearest)
@@ -123,3 +115,22 @@ def _mixes(here: np.ndarray, sides: np.ndarray, present: np.ndarray,
             nearest[both] = np.where(better, off, nearest[both])
             share[both] = np.where(better, part, share[both])
     return nearest, share
+
+
+def profile(cover: np.ndarray, cells: np.ndarray, share: np.ndarray, stride: int) -> Tuple[np.ndarray, float]:
+    """Which pixels lie on the crest of a stroke, and how much is covered across it there, px.
+
+    Parameters
+    ----------
+    cover : ndarray of shape (P,)
+        0 everywhere, with the rim; to work in, and 0 again afterwards.
+    cells, share : ndarray of shape (N,)
+        Pixels of the stroke, and how much of each it covers.
+    stride : int
+        Step from a pixel to the one below it.
+    """
+    cover[cells] = share
+    near = cover[cells + window(stride, 1, 1)[:, None]]
+    cover[cells] = 0
+    crest = (share > 0) & (share >= _CREST * near.max(axis=0))
+    return crest, float(np.average(near.sum(axis=0) + share, weights=crest * share + 1e-9)) / 3

@@ -24,6 +24,7 @@ from .mixes import length, segment_distance
 from .palette import MANY as MOST
 from .palette import Plateaus
 from .sides import SLOTS, near_samples, window
+from .strokes import Ridges
 
 LEAST = 10.0
 """Smallest distance of a drawn pixel from all mixes of what surrounds it, levels."""
@@ -144,6 +145,19 @@ def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: 
     row, col = canvas.places(cells)
     ramps[row, col] = number[area]
     return count + chosen.size, inks
+
+
+def beyond_ramps(canvas: Canvas, ramps: np.ndarray, surfaces: Sequence[Optional[Surface]], labels: np.ndarray,
+                 ridges: Ridges) -> Ridges:
+    """The ridge pixels near ramps (H, W) that no mixes of these and of the known labels (P,) round them explain."""
+    known = np.where(labels >= 0, labels + np.int32(len(surfaces)), -1)
+    np.copyto(canvas.bare(known), ramps, where=ramps >= 0)
+    samples, _ = near_samples(known, ridges.cells, canvas.stride)
+    near = np.flatnonzero(((samples >= 0) & (known[samples] < len(surfaces))).any(axis=0))
+    sides = side_colours(canvas, known, ridges.cells[near], samples[:, near], surfaces)
+    strange = np.ones(ridges.cells.size, bool)
+    strange[near] = unexplained(ridges.colour[:, near], sides, samples[:, near]) > FAINT
+    return ridges.some(np.flatnonzero(strange))
 
 
 def side_colours(canvas: Canvas, known: np.ndarray, cells: np.ndarray, samples: np.ndarray,

@@ -17,14 +17,14 @@ from . import (
     areas,
     bleeding,
     detached,
-    margins,
+    filling,
+    glazes,
     merging,
     overlays,
     palette,
     ramps,
     ringing,
     scraps,
-    sides,
     spots,
     strokes,
     surfaces,
@@ -186,7 +186,8 @@ def _label_rest(known: _Known) -> Labels:
     doubt = max(doubt, mixing_error(canvas, labels, cells))
     rippled |= doubt > QUANTISED
     ridges = strokes.find_ridges(canvas, cells, doubt)
-    keys, labels = _with_rare(canvas, plateaus, cells, ridges, keys, labels, noise, doubt, count > 0)
+    beyond = overlays.beyond_ramps(canvas, slopes, found, labels, ridges) if count and noise <= ROUNDING else ridges
+    keys, labels = _with_rare(canvas, plateaus, cells, beyond, keys, labels, noise, doubt, count > 0)
     if keys.size == 1 and not count and _stray(canvas, labels, planes(keys, canvas.opaque)):
         return posterise(canvas, MANY)
     colours = unpack(keys).astype(np.float64)
@@ -201,8 +202,9 @@ def _label_rest(known: _Known) -> Labels:
 
     # A large picture should not be held more often than needed.
     del known, slopes, plateaus
-    thin, specks = _label_unknown(canvas, labels, ridges, keys, colours, doubt)
     found = [*[None] * keys.size, *found]
+    thin, specks, colours, found = filling.label_unknown(
+        canvas, labels, keys, colours, found, ridges, doubt, count > 0 and noise <= ROUNDING)
     if count:
         scraps.join_scraps(canvas, labels, canvas.mixing(colours), found, thin)
     index, thin = (np.ascontiguousarray(canvas.bare(plane)) for plane in (labels, thin))
@@ -259,38 +261,13 @@ def _surfaces(canvas: Canvas, slopes: np.ndarray, count: int, plateaus: palette.
     keys = overlays.flat_colours(canvas, plateaus)
     labels = palette.known_labels(canvas, plateaus, keys, ROUNDING)
     slopes, found = detached.join_detached(canvas, slopes, found, (slopes < 0) & (canvas.bare(labels) < 0))
+    slopes, found, glazed = glazes.follow(canvas, slopes, found, plateaus)
+    if glazed:
+        plateaus = palette.find_plateaus(canvas, slopes >= 0)
+        keys = overlays.flat_colours(canvas, plateaus)
+        labels = palette.known_labels(canvas, plateaus, keys, ROUNDING)
     count, inks = overlays.add_drawn(canvas, slopes, found, keys, labels)
     return slopes, [*found, *[None] * (count - len(found))], palette.find_plateaus(canvas, slopes >= 0), inks
-
-
-def _label_unknown(canvas: Canvas, labels: np.ndarray, ridges: strokes.Ridges, keys: np.ndarray,
-                   colours: np.ndarray, noise: float) -> Tuple[np.ndarray, int]:
-    """Label the thin strokes, then all other unknown pixels, in place.
-
-    Returns which pixels belong to strokes, and how many are specks that nothing explains.
-    """
-    unknown = canvas.cells(canvas.bare(labels) < 0)
-    stroke, share = strokes.stroke_labels(canvas, ridges, planes(keys, canvas.opaque), labels, noise)
-    taken = (stroke >= 0) & (labels[ridges.cells] < 0)
-    labels[ridges.cells[taken]] = stroke[taken]
-    sharp = canvas.keys.copy()
-    sharp[ridges.cells[taken]] = keys[stroke[taken]]
-    full, mixing = replace(canvas, keys=sharp), canvas.mixing(colours)
-    sides.label_mixed(canvas, full, labels, canvas.cells(canvas.bare(labels) < 0), mixing)
-
-    thin = np.zeros(labels.size, bool)
-    thin[ridges.cells] = stroke == labels[ridges.cells]
-    faint = ridges.cells[taken & (share < 0.5)]
-    lone = faint[strokes.lone_corners(labels, thin, faint, canvas.stride)]
-    labels[lone] = -1
-    sides.label_mixed(canvas, full, labels, lone, mixing)
-    flat = unknown[labels[unknown] < keys.size]
-    sharp[flat] = keys[labels[flat]]
-    specks = sides.join_islands(canvas, full, labels, unknown)
-    thin[ridges.cells] &= stroke == labels[ridges.cells]
-    thin[lone] = False
-    margins.label_strips(canvas, labels, thin, mixing[:, :keys.size], noise)
-    return thin, specks
 
 
 def _merge_ripples(canvas: Canvas, labels: Labels, noise: float, least: float) -> Labels:

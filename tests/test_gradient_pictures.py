@@ -62,6 +62,11 @@ def rendered(gradient, body, zoom=1):
     return np.asarray(Image.open(io.BytesIO(bytes(png))).convert("RGBA"))
 
 
+def psnr(off):
+    """dB of differences in levels."""
+    return 10 * math.log10(255 ** 2 / (off ** 2).mean())
+
+
 def over(rgba, page):
     """RGBA over a page of one grey level."""
     alpha = rgba[..., 3:] / 255
@@ -90,7 +95,7 @@ def test_traces_look_like_the_drawing_on_any_page(name):
     truth, ours = rendered(gradient, body, 4), render(drawing, 4)
     for page in (0, 255):
         off = over(ours.astype(float), page) - over(truth.astype(float), page)
-        assert 10 * math.log10(255 ** 2 / (off ** 2).mean()) > 42
+        assert psnr(off) > 42
     row, col = (np.mgrid[:4 * SIZE, :4 * SIZE] + 0.5) / 4
     if DISC in body and BLUE not in body:
         assert not ours[np.hypot(col - 80, row - 80) > 64.7].any()
@@ -124,7 +129,7 @@ def test_a_gloss_that_fades_into_a_plateau_is_a_shape_of_its_own():
     assert len(soft) == 1 and len(drawing.shapes) <= 3
     assert any(shape.rgb == (0, 102, 204) and shape.gradient is None for shape in drawing.shapes)
     off = over(render(drawing, 4).astype(float), 255) - over(rendered(gloss, body, 4).astype(float), 255)
-    assert 10 * math.log10(255 ** 2 / (off ** 2).mean()) > 40
+    assert psnr(off) > 40
 
 
 def test_strokes_on_a_gradient_are_shapes_of_their_own():
@@ -134,7 +139,7 @@ def test_strokes_on_a_gradient_are_shapes_of_their_own():
     drawing = trace(rendered(gradient, body + strokes))
     assert len(drawing.shapes) == 4
     off = over(render(drawing, 4).astype(float), 255) - over(rendered(gradient, body + strokes, 4).astype(float), 255)
-    assert 10 * math.log10(255 ** 2 / (off ** 2).mean()) > 36
+    assert psnr(off) > 36
 
 
 @pytest.mark.parametrize("width", [0.6, 0.7, 1.0])
@@ -146,7 +151,7 @@ def test_a_thin_rim_has_the_colour_of_its_ink(name, width):
     rims = [shape for shape in drawing.shapes if max(shape.rgb) < 40 and shape.gradient is None]
     assert rims and sum(shape.gradient is not None for shape in drawing.shapes) == 1
     off = over(render(drawing, 4).astype(float), 255) - over(rendered(gradient, body, 4).astype(float), 255)
-    assert 10 * math.log10(255 ** 2 / (off ** 2).mean()) > 30
+    assert psnr(off) > 30
 
 
 def test_faces_share_the_gradient_that_a_bar_cuts_in_two():
@@ -154,3 +159,19 @@ def test_faces_share_the_gradient_that_a_bar_cuts_in_two():
     drawing = trace(rendered(gradient, body + '<rect x="70" width="12" height="160" fill="#2288cc"/>'))
     assert len({shape.gradient for shape in drawing.shapes if shape.gradient}) <= 2
     assert sum(shape.gradient is not None for shape in drawing.shapes) == 2
+
+
+def test_shades_on_an_opaque_ramp_and_on_one_that_fades():
+    """One is translucent to the page, the other only to what it is drawn on."""
+    fading = ('<defs><linearGradient id="g"><stop offset="0" stop-color="#f40" stop-opacity=".9"/><stop offset="1"'
+              ' stop-color="#f40" stop-opacity=".1"/></linearGradient></defs>'
+              '<rect x="20" y="115" width="120" height="40" fill="url(#g)"/>'
+              '<path d="M30 125 C60 155 100 145 120 122" fill="none" stroke="#000" stroke-opacity=".4"'
+              ' stroke-width="3"/>')
+    shade = ('<path d="M40 100 C60 50 100 50 120 95" fill="none" stroke="#102040" stroke-opacity=".4"'
+             ' stroke-width="3"/>')
+    gradient = CASES["linear"][0]
+    drawing = trace(rendered(gradient, BAR + shade + fading))
+    for page in (0, 255):
+        off = over(render(drawing, 4).astype(float), page) - over(rendered(gradient, BAR + shade + fading, 4), page)
+        assert psnr(off) > 34
