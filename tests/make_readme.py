@@ -42,8 +42,8 @@ ROOMS = {
     "from outside": "__init__ __main__ cli files progress report compare inkscape",
     "picture in": "raster sprites ink enlarged",
     "pixels to regions": "regions canvas palette noise calm ringing bleeding mixes sides strokes narrow spots"
-                         " filling residue margins ramps surfaces growing spans detached overlays glazes shades astride hairlines"
-                         " scraps uneven unsteady"
+                         " filling residue margins ramps surfaces growing spans detached overlays glazes shades astride"
+                         " hairlines scraps uneven unsteady"
                          " posterise threshold areas"
                          " merging components",
     "mesh": "triangulation quads cost ribbon flips",
