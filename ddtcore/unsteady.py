@@ -23,11 +23,11 @@ from .sides import window
 from .spans import renumber, spans_of
 from .surfaces import extend, separate
 
-UNSTEADY = 0.006
-"""Least share of zigzags in a picture with ripples: strokes and rounding make fewer."""
+UNSTEADY = 0.0015
+"""Least share of zigzags of four steps in a picture with ripples: strokes side by side and rounding make fewer."""
 
 GRAINY = 0.42
-"""Share of zigzags that only a grain makes, which is the same everywhere."""
+"""Share of those of three steps that only a grain makes, which is the same everywhere."""
 
 RIPPLED, DITHERED = 1.4, 2.0
 """How much stronger than most are the ripples beside edges in a JPEG, and the dots of colours far apart in a GIF."""
@@ -108,10 +108,9 @@ class Soft(NamedTuple):
 
 def find_soft(canvas: Canvas, noise: float) -> Optional[Soft]:
     """The ramps of a picture with ripples, most of them no stronger than `noise` levels, if it has both."""
-    share = zigzags(canvas) if noise > ROUNDING else 0.0
-    if share < UNSTEADY:
+    if noise <= ROUNDING or zigzags(canvas, 4) < UNSTEADY:
         return None
-    noise, margins = _margins(canvas, noise, share)
+    noise, margins = _margins(canvas, noise)
     even = calm(canvas, margins)
     even = calm(even, margins / 2)
     slopes, count = find_ramps(even, BEND)
@@ -144,12 +143,12 @@ def _flat_colours(canvas: Canvas, plateaus: Plateaus, ramps: np.ndarray, noise: 
     return np.array(unlike(canvas, np.append(keys, more), 2 * noise / LEFT), np.uint32)
 
 
-def _margins(canvas: Canvas, noise: float, share: float) -> Tuple[float, np.ndarray]:
-    """How strong ripples are at most in a picture with a share of zigzags, and round each pixel (P,), levels.
+def _margins(canvas: Canvas, noise: float) -> Tuple[float, np.ndarray]:
+    """How strong ripples are at most, and round each pixel (P,), levels.
 
     Most have `noise` levels.  A grain is the same everywhere.
     """
-    if share > GRAINY:
+    if zigzags(canvas, 3) > GRAINY:
         return noise, np.full(canvas.keys.size, noise)
     if np.unique(canvas.keys).size <= REDUCED:
         return DITHERED * noise, np.maximum(_of_dots(canvas), DITHERED * noise)
@@ -229,8 +228,8 @@ def _numbers(kept: np.ndarray) -> np.ndarray:
     return np.append(np.where(kept, np.cumsum(kept) - 1, -1), -1).astype(np.int32)
 
 
-def zigzags(canvas: Canvas) -> float:
-    """Share of the pixels of soft areas, where three steps in a row go up, down and up, or the other way round."""
+def zigzags(canvas: Canvas, count: int) -> float:
+    """Share of the pixels of soft areas where so many steps in a row, 3 or 4, go up and down by turns."""
     cells = canvas.cells(np.ones(canvas.shape, bool))
     cells = cells[::max(1, cells.size // _SAMPLE)]
     around = canvas.colours(cells + np.append(window(canvas.stride, 1, RIM), 0)[:, None])
@@ -238,8 +237,9 @@ def zigzags(canvas: Canvas) -> float:
     cells = cells[(span > ROUNDING) & (span <= SOFT)]
     turning = np.zeros(cells.size, bool)
     for step in (1, canvas.stride):
-        before, here, there, after = (canvas.colours(cells + k * step) for k in (-1, 0, 1, 2))
+        places = (np.arange(count + 1) - count // 2) * step
+        steps = np.diff(canvas.colours(cells + places[:, None]), axis=1)
+        steps[:, ::2] *= -1
         for sign in (1, -1):
-            steps = sign * np.stack([here - before, here - there, after - there])
-            turning |= (steps >= _TURN).all(axis=0).any(axis=0)
+            turning |= (sign * steps >= _TURN).all(axis=1).any(axis=0)
     return float(turning.sum() / max(turning.size, 1))
