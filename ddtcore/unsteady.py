@@ -24,7 +24,7 @@ from .spans import renumber, spans_of
 from .surfaces import extend, separate
 
 UNSTEADY = 0.0015
-"""Least share of zigzags of four steps in a picture with ripples: strokes side by side and rounding make fewer."""
+"""Least share of zigzags of four steps in a picture with ripples: a stroke with a light and a dark side has three."""
 
 GRAINY = 0.42
 """Share of those of three steps that only a grain makes, which is the same everywhere."""
