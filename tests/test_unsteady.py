@@ -68,8 +68,8 @@ def test_zigzags_tell_spoiled_pictures_from_clean_ones(kind):
 
 
 def test_faint_strokes_with_a_light_and_a_dark_side_are_no_ripples():
-    sides = ((215, 135, 55, 255), 0.6), ((185, 105, 25, 255), -0.6)
-    image = draw(240, 300, [(SKIN, everywhere), *[(colour, stroke(150, y + side, 0.03, 1.2, 120))
+    sides = ((210, 130, 50, 255), 0.5), ((185, 105, 25, 255), -0.5)
+    image = draw(240, 300, [(SKIN, everywhere), *[(colour, stroke(150, y + side, 0.03, 1, 120))
                                                   for y in (60, 70, 82, 100, 160, 172) for colour, side in sides]])
     assert zigzags(prepare(image), 3) > 10 * UNSTEADY
     assert zigzags(prepare(image), 4) < UNSTEADY / 2
