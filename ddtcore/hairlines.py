@@ -62,11 +62,15 @@ class Inks:
         Colours that the surfaces round each pixel have there.
     present : ndarray of shape (S, N) and dtype bool
         Which of them there are; the first is present everywhere.
+    rippled : float
+        How much pixels vary, levels.
     """
 
-    def __init__(self, canvas: Canvas, cells: np.ndarray, sides: np.ndarray, present: np.ndarray) -> None:
+    def __init__(self, canvas: Canvas, cells: np.ndarray, sides: np.ndarray, present: np.ndarray,
+                 rippled: float = 0.0) -> None:
         self._canvas, self._cells, self._sides, self._present = canvas, cells, sides, present
         self._cover = np.zeros(canvas.keys.size)
+        self._certain = CERTAIN + rippled
 
     def find(self, some: np.ndarray) -> Optional[np.uint32]:
         """The ink of a stroke that some of the pixels, by their places among all, are; packed.
@@ -92,7 +96,7 @@ class Inks:
             if crest.any() and np.median(off[crest, best]) <= OFF:
                 cover = share[crest, best]
                 full = np.percentile(cover, FULLEST)
-                sure = height >= STRONG and max(middle[best], np.median(off[crest, best])) <= CERTAIN
+                sure = height >= STRONG and max(middle[best], np.median(off[crest, best])) <= self._certain
                 thin = width <= (WIDEST if sure and full >= FULL else WIDTH) * full
                 return inks[best] if thin and np.median(cover) >= (PALEST if sure else COVERED) else None
         return None

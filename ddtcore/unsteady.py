@@ -21,6 +21,7 @@ from .palette import Plateaus, find_plateaus
 from .ramps import find_ramps
 from .sides import window
 from .spans import renumber, spans_of
+from .surfaces import AREA as CLEAN_PIECE
 from .surfaces import extend, separate
 
 UNSTEADY = 0.0015
@@ -111,27 +112,58 @@ def find_soft(canvas: Canvas, noise: float) -> Optional[Soft]:
     if noise <= ROUNDING or zigzags(canvas, 4) < UNSTEADY:
         return None
     noise, margins = _margins(canvas, noise)
-    even = calm(canvas, margins)
-    even = calm(even, margins / 2)
-    slopes, count = find_ramps(even, BEND)
-    slopes = slopes.copy()
-    size, steep = _steep(even, slopes, [None] * count, margins)
-    if size[steep].sum() < SLOPING * slopes.size:
+    even = _calmed(canvas, margins)
+    known = _steep_ramps(even, margins, max(FIT, noise / LEFT), PIECE, 1.0)
+    if known is None:
         return None
-    flat = np.append(~steep & (size >= FLAT), False)[slopes]
-    renumber(slopes, _numbers(steep))
-    slopes, surfaces = separate(even, slopes, int(steep.sum()), ~flat, max(FIT, noise / LEFT), PIECE, 1.0)
-    size, steep = _steep(even, slopes, surfaces, margins)
-    if size[steep].sum() < SLOPING * slopes.size:
-        return None
-    flat |= np.append(~steep & (size >= FLAT), False)[slopes]
-    renumber(slopes, _numbers(steep))
-    surfaces = [_clipped(surfaces[number], 3 if canvas.opaque else 4, noise / 4) for number in np.flatnonzero(steep)]
-    extend(even, slopes, surfaces, ~flat, canvas.bare(margins))
+    slopes, surfaces, free = known
+    surfaces = [_clipped(surface, 3 if canvas.opaque else 4, noise / 4) for surface in surfaces]
+    extend(even, slopes, surfaces, free, canvas.bare(margins))
     plateaus = find_plateaus(even, slopes >= 0)
     keys = _flat_colours(even, plateaus, slopes >= 0, noise, margins)
     bled = canvas if canvas.opaque and margins.min() < noise else None
     return Soft(even, slopes, surfaces, plateaus, keys, noise, margins / LEFT, bled)
+
+
+def ramps_under(canvas: Canvas, margins: np.ndarray) -> Optional[Tuple[np.ndarray, List[Surface]]]:
+    """The ramps (H, W) of a picture with ripples no stronger than some margins (P,), and their surfaces, if it has any.
+
+    Beside its ripples the picture is clean.
+    """
+    even = _calmed(canvas, margins)
+    known = _steep_ramps(even, margins, FIT, CLEAN_PIECE, 0.5)
+    if known is None:
+        return None
+    slopes, surfaces, free = known
+    extend(even, slopes, surfaces, free, np.maximum(FIT, canvas.bare(margins)))
+    return slopes, surfaces
+
+
+def _calmed(canvas: Canvas, margins: np.ndarray) -> Canvas:
+    """The picture without most of its ripples."""
+    return calm(calm(canvas, margins), margins / 2)
+
+
+def _steep_ramps(canvas: Canvas, margins: np.ndarray, fit: float, piece: int,
+                 joint: float) -> Optional[Tuple[np.ndarray, List[Surface], np.ndarray]]:
+    """The ramps (H, W) of a calmed picture that ripples alone do not make, their surfaces, and where they may go on.
+
+    None where they have too small a share of the picture.
+    """
+    slopes, count = find_ramps(canvas, BEND)
+    slopes = slopes.copy()
+    size, steep = _steep(canvas, slopes, [None] * count, margins)
+    if size[steep].sum() < SLOPING * slopes.size:
+        return None
+    flat = np.append(~steep & (size >= FLAT), False)[slopes]
+    renumber(slopes, _numbers(steep))
+    slopes, surfaces = separate(canvas, slopes, int(steep.sum()), ~flat, fit, piece, joint)
+    size, steep = _steep(canvas, slopes, surfaces, margins)
+    if size[steep].sum() < SLOPING * slopes.size:
+        return None
+    flat |= np.append(~steep & (size >= FLAT), False)[slopes]
+    renumber(slopes, _numbers(steep))
+    return slopes, [surfaces[number] for number in np.flatnonzero(steep)], ~flat
 
 
 def _flat_colours(canvas: Canvas, plateaus: Plateaus, ramps: np.ndarray, noise: float,
