@@ -93,14 +93,14 @@ def halved(image: np.ndarray, name: str) -> np.ndarray:
             values = np.rint(values)
     half = np.full((*values.shape[1:], 4), 255, np.float32)
     half[..., :len(values)] = np.moveaxis(values, 0, -1)
-    clipped = ((image[..., :3] == 0) | (image[..., :3] == 255)).any(axis=-1)
+    clipped = (image == 0) | (image == 255)
     clipped = clipped[::2] | clipped[1::2]
     doubtful = clipped[:, ::2] | clipped[:, 1::2]
     return _settled(straightened(half.reshape(-1, 4)).reshape(half.shape), np.where(doubtful, CLIPPED, ROUNDED))
 
 
 def _settled(image: np.ndarray, margin: np.ndarray) -> np.ndarray:
-    """Pixels within a margin (H, W) of a neighbour's colour get it if it is far more frequent."""
+    """Pixels within a margin (H, W, 4) of a neighbour's colour get it if it is far more frequent."""
     shape = image.shape[:2]
     keys = np.ascontiguousarray(image).view(np.uint32)[..., 0].ravel()
     colours, index, counts = np.unique(keys, return_inverse=True, return_counts=True)
@@ -114,7 +114,7 @@ def _settled(image: np.ndarray, margin: np.ndarray) -> np.ndarray:
                 beside = framed[down:down + shape[0], across:across + shape[1]]
                 asked = np.nonzero((counts[beside] > _RARE * counts[index]) & (counts[beside] > counts[best]))
                 own, other = index[asked], beside[asked]
-                near = np.abs(values[own] - values[other]).max(axis=1) <= margin[asked]
+                near = (np.abs(values[own] - values[other]) <= margin[asked]).all(axis=1)
                 best[tuple(axis[near] for axis in asked)] = other[near]
         index = best
     return colours[index].view(np.uint8).reshape(image.shape)

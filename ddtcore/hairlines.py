@@ -26,6 +26,15 @@ COVERED = 0.35
 OFF = 4.0
 """How far from mixes with its ink the pixels of a stroke are at most, in the middle, levels."""
 
+CERTAIN, STRONG = 1.0, 100.0
+"""Surely an ink is what explains a stroke to so many levels that stands out so much, levels."""
+
+PALEST = 0.25
+"""Then less coverage will do, too;"""
+
+WIDEST, FULL = 2.0, 0.9
+"""and the stroke may be wider, px, where so much of its fullest pixels is covered."""
+
 AREA = 24
 """Fewest pixels that tell an ink, px²."""
 
@@ -53,11 +62,15 @@ class Inks:
         Colours that the surfaces round each pixel have there.
     present : ndarray of shape (S, N) and dtype bool
         Which of them there are; the first is present everywhere.
+    rippled : float
+        How much pixels vary, levels.
     """
 
-    def __init__(self, canvas: Canvas, cells: np.ndarray, sides: np.ndarray, present: np.ndarray) -> None:
+    def __init__(self, canvas: Canvas, cells: np.ndarray, sides: np.ndarray, present: np.ndarray,
+                 rippled: float = 0.0) -> None:
         self._canvas, self._cells, self._sides, self._present = canvas, cells, sides, present
         self._cover = np.zeros(canvas.keys.size)
+        self._certain = CERTAIN + rippled
 
     def find(self, some: np.ndarray) -> Optional[np.uint32]:
         """The ink of a stroke that some of the pixels, by their places among all, are; packed.
@@ -72,7 +85,8 @@ class Inks:
         here = self._canvas.colours(self._cells[some])
         sides, present = self._sides[..., some], self._present[:, some]
         off = excess(here, sides[:, 0], np.where(present[1], sides[:, 1], sides[:, 0]))
-        if length(off).max() < CLEAR:
+        height = length(off).max()
+        if height < CLEAR:
             return None
         for inks in (_PURE, _beyond(here, off)):
             off, share = mixes_with(here, sides, present, planes(inks, self._canvas.opaque))
@@ -81,8 +95,10 @@ class Inks:
             crest, width = profile(self._cover, self._cells[some], share[:, best], self._canvas.stride)
             if crest.any() and np.median(off[crest, best]) <= OFF:
                 cover = share[crest, best]
-                thin = width <= WIDTH * np.percentile(cover, FULLEST)
-                return inks[best] if thin and np.median(cover) >= COVERED else None
+                full = np.percentile(cover, FULLEST)
+                sure = height >= STRONG and max(middle[best], np.median(off[crest, best])) <= self._certain
+                thin = width <= (WIDEST if sure and full >= FULL else WIDTH) * full
+                return inks[best] if thin and np.median(cover) >= (PALEST if sure else COVERED) else None
         return None
 
     def are_scraps(self, some: np.ndarray, inks: np.ndarray) -> bool:

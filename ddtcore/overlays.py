@@ -82,7 +82,7 @@ def flat_colours(canvas: Canvas, plateaus: Plateaus) -> np.ndarray:
 
 
 def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: np.ndarray,
-              labels: np.ndarray, doubt: Optional[np.ndarray] = None) -> Tuple[int, np.ndarray]:
+              labels: np.ndarray, doubt: Optional[np.ndarray] = None, rippled: float = 0.0) -> Tuple[int, np.ndarray]:
     """Number the things drawn on ramps like further ramps, in place.
 
     Parameters
@@ -97,6 +97,8 @@ def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: 
         Which of them each pixel has, with the rim, else negative; not to be used any more.
     doubt : ndarray of shape (P,), optional
         How far pixels of a picture that is not clean may be from the colours they should have, levels.
+    rippled : float
+        How much pixels of strokes vary in a picture that is clean but for these, levels.
 
     Returns
     -------
@@ -138,7 +140,7 @@ def add_drawn(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface], keys: 
         chosen &= (np.bincount(area, length(here - base) > CLEAR) < SHARE * size) & (size >= WIDE)
     chosen = np.flatnonzero(chosen)
     chosen = chosen[np.argsort(-size[chosen], kind="stable")[:max(MANY - count, 0)]]
-    thin, inks = _thin(Inks(canvas, cells, sides[..., drawn], samples[:, drawn] >= 0), area, chosen)
+    thin, inks = _thin(Inks(canvas, cells, sides[..., drawn], samples[:, drawn] >= 0, rippled), area, chosen)
     chosen = chosen[~thin]
     number = np.full(size.size, -1, np.int32)
     number[chosen] = np.arange(count, count + chosen.size)

@@ -90,7 +90,7 @@ def find_plateaus(canvas: Canvas, skip: np.ndarray) -> Plateaus:
     core, block, *counted = in_parts(lambda rows: _flat_rows(key, skip, rows), len(key), size=key.shape[1])
     keys, counts = summed_keys(*counted[:2])
     inner = _tally(keys, *counted[2:])
-    sound = _tally(keys, *count_keys(_sound_blocks(canvas, block, keys[inner == 0])))
+    sound = _tally(keys, *count_keys(_sound_blocks(canvas, block, keys[inner == 0], bool(skip.any()))))
     order = np.argsort(-counts, kind="stable")
     return Plateaus(core, keys[order], counts[order], inner[order], sound[order], skip)
 
@@ -122,8 +122,11 @@ def _tally(keys: np.ndarray, values: np.ndarray, counts: np.ndarray) -> np.ndarr
     return np.bincount(np.searchsorted(keys, values), counts, keys.size).astype(np.int64)
 
 
-def _sound_blocks(canvas: Canvas, block: np.ndarray, weak: np.ndarray) -> np.ndarray:
-    """Colours of the blocks of `weak` ones (rising) that do not lie between two equal pairs of pixels."""
+def _sound_blocks(canvas: Canvas, block: np.ndarray, weak: np.ndarray, strips: bool) -> np.ndarray:
+    """Colours of the blocks of `weak` ones (rising) that do not lie between two equal pairs of pixels.
+
+    In `strips` with unlike sides, too, where these are not asked again: pairs further along one do not count.
+    """
     if not weak.size:
         return weak
     key, down = canvas.keys, canvas.stride
@@ -143,8 +146,12 @@ def _sound_blocks(canvas: Canvas, block: np.ndarray, weak: np.ndarray) -> np.nda
     sound = np.ones(at.size, bool)
     for across, along in ((down, 1), (1, down)):
         side = key[at - across]
-        sound &= ~((side == key[at + 2 * across]) & (side == key[at - across + along])
-                   & (side == key[at + 2 * across + along]))
+        pair = side == key[at + 2 * across]
+        pair &= side == key[at - across + along]
+        pair &= side == key[at + 2 * across + along]
+        if strips:
+            pair &= side != key[at]
+        sound &= ~pair
     return np.asarray(key[at[sound]])
 
 

@@ -146,6 +146,10 @@ def _know(canvas: Canvas, grain: float) -> _Known:
             clear = canvas = bleeding.without_bleeding(canvas, keys, noise)
             left = bleeding.LEFT
     else:
+        if count and not grain and ringing.overshoots(canvas) > ringing.OVERSHOOTING:
+            known = _know_ringing(canvas)
+            if known:
+                return known
         slopes, found, plateaus, inks = _surfaces(canvas, slopes, count, plateaus)
         keys = _with_inks(canvas, palette.choose_colours(canvas, plateaus, bool(found)), inks)
     return _Known(canvas, slopes, found, plateaus, keys, noise, noise * left, rippled, least, clear)
@@ -164,6 +168,20 @@ def _know_soft(soft: unsteady.Soft) -> _Known:
         clear = canvas = replace(canvas, keys=np.where(drawn, canvas.keys, clear.keys))
     return _Known(canvas, slopes, [*found, *[None] * (count - len(found))], plateaus, keys,
                   noise, noise / 2, True, unsteady.SPECK, clear)
+
+
+def _know_ringing(canvas: Canvas) -> Optional[_Known]:
+    """The same of a picture with soft ramps and with ripples beside its edges, unless these ramps are small."""
+    soft = unsteady.ramps_under(canvas, ringing.margins(canvas))
+    if soft is None:
+        return None
+    canvas, inks = ringing.without_ringing(canvas, *soft)
+    slopes, count = ramps.find_ramps(canvas)
+    noise = ringing.LEFT * ringing.STROKES
+    slopes, found, plateaus, more = _surfaces(canvas, slopes, count, palette.find_plateaus(canvas, slopes >= 0), noise)
+    keys = noisy_colours(canvas, plateaus, ringing.LEFT, ringing.LEFT, slopes >= 0)
+    keys = _with_inks(canvas, keys, np.append(inks, more))
+    return _Known(canvas, slopes, found, plateaus, keys, noise, noise, True, ringing.SPECK, None)
 
 
 def _stroke_colours(canvas: Canvas, slopes: np.ndarray, plateaus: palette.Plateaus, keys: np.ndarray,
@@ -251,7 +269,7 @@ def _with_rare(canvas: Canvas, plateaus: palette.Plateaus, cells: np.ndarray, ri
     return np.append(keys, canvas.keys[spot]), labels
 
 
-def _surfaces(canvas: Canvas, slopes: np.ndarray, count: int, plateaus: palette.Plateaus
+def _surfaces(canvas: Canvas, slopes: np.ndarray, count: int, plateaus: palette.Plateaus, rippled: float = 0.0
               ) -> Tuple[np.ndarray, List[Optional[Surface]], palette.Plateaus, np.ndarray]:
     """Ramps that one gradient each explains, with it, and what is drawn on them; plateaus left, and inks."""
     if not count:
@@ -266,7 +284,7 @@ def _surfaces(canvas: Canvas, slopes: np.ndarray, count: int, plateaus: palette.
         plateaus = palette.find_plateaus(canvas, slopes >= 0)
         keys = overlays.flat_colours(canvas, plateaus)
         labels = palette.known_labels(canvas, plateaus, keys, ROUNDING)
-    count, inks = overlays.add_drawn(canvas, slopes, found, keys, labels)
+    count, inks = overlays.add_drawn(canvas, slopes, found, keys, labels, rippled=rippled)
     return slopes, [*found, *[None] * (count - len(found))], palette.find_plateaus(canvas, slopes >= 0), inks
 
 

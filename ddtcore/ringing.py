@@ -1,22 +1,24 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Flat art that was made smaller or larger: the ripples beside its edges are taken for what they are.
+"""Art that was made smaller or larger: the ripples beside its edges are taken for what they are.
 
 Good filters overshoot beside an edge, by a share of its contrast and over three pixels at
-most; the ripples stand for nothing.  Away from edges flat colours stay as they were, unlike
-in a JPEG or a scan.
+most; the ripples stand for nothing.  Away from edges flat colours and soft ramps stay as they
+were, unlike in a JPEG or a scan.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Tuple
+from typing import Optional, Sequence, Tuple
 
 import numpy as np
 
 from .canvas import RIM, Canvas, planes, within
+from .growing import Surface
 from .noise import ROUNDING, between_plateaus, unlike
 from .palette import find_plateaus, is_mixed
 from .parts import in_parts
+from .ramps import no_ramps
 
 LEFT = 8.0
 """How much pixels vary at most when ripples have been taken off, levels."""
@@ -36,9 +38,20 @@ RARE = 0.01
 BEYOND, SHORT = 0.13, 0.06
 """How far ringing goes beyond a flat colour, between two edges, and falls short of it: shares of the contrast."""
 
+MARGIN = 0.1
+"""How strong it is as a rule, as a share of the contrast within 7 x 7 pixels."""
+
 BESIDE = 0.08
 """How far it goes beyond a flat colour beside one straight edge, as a share of the contrast."""
 
+OVERSHOOTING = 0.15
+"""Share of edges beside which the colour overshoots, from which a picture with soft ramps rings."""
+
+LOW = 40
+"""Beside edges of less contrast ramps hardly ring, levels."""
+
+_STRONG, _BEND, _FIRST, _QUIET = 48.0, 2.5, 0.12, 0.16
+_SAMPLE = 1 << 14
 _CORE = 4
 _TWIN = 4.0
 _MOST = 48
@@ -60,21 +73,71 @@ def is_ringing(canvas: Canvas) -> bool:
     return bool(np.mean(calm) < RARE)
 
 
-def without_ringing(canvas: Canvas) -> Tuple[Canvas, np.ndarray]:
-    """The picture with flat colours up to its edges: what is off one by no more than ringing gets it.
+def overshoots(canvas: Canvas) -> float:
+    """Share of edges beside which the colour turns away from the other side before it goes there."""
+    cells = canvas.cells(~find_plateaus(canvas, np.zeros(canvas.shape, bool)).core)
+    cells = cells[::max(1, cells.size // _SAMPLE)]
+    edges = turning = 0
+    for step in (1, -1, canvas.stride, -canvas.stride):
+        row = canvas.colours(cells + np.arange(-2, 3)[:, None] * step)
+        most = np.abs(row[:, 4] - row[:, 2]).argmax(axis=0)
+        row = np.take_along_axis(row, most[np.newaxis, np.newaxis], axis=0)[0]
+        first, second, third, fourth = np.diff(row, axis=0) * np.sign(row[4] - row[2])
+        rise = third + fourth
+        edge = (rise > _STRONG) & (third > _FIRST * rise)
+        edge &= (np.abs(first) < _QUIET * rise) & (np.abs(second) < _QUIET * rise)
+        edges += int(np.count_nonzero(edge))
+        turning += int(np.count_nonzero(edge & (first - second > np.maximum(_BEND, 0.03 * rise))))
+    return turning / max(edges, 1)
 
-    And the packed colours of those that only thin strokes have, as far as they tell.
+
+def margins(canvas: Canvas) -> np.ndarray:
+    """How strong ringing is at most round each pixel (P,), levels."""
+    low, high = _ranges(canvas)
+    return np.asarray(MARGIN * (high - low).max(axis=0))
+
+
+def without_ringing(canvas: Canvas, ramps: Optional[np.ndarray] = None,
+                    surfaces: Sequence[Surface] = ()) -> Tuple[Canvas, np.ndarray]:
+    """The picture with flat colours and soft ramps up to its edges: what is off one by no more than ringing gets it.
+
+    Parameters
+    ----------
+    canvas : Canvas
+    ramps : ndarray of shape (H, W), optional
+        Number of the ramp of each pixel, -1 where there is none.
+    surfaces : sequence of Surface
+        The colours of each ramp.
+
+    Returns
+    -------
+    canvas : Canvas
+    inks : ndarray of dtype uint32
+        The packed colours of those that only thin strokes have, as far as they tell.
     """
-    plateaus = find_plateaus(canvas, np.zeros(canvas.shape, bool))
+    ramps = no_ramps(canvas.shape) if ramps is None else ramps
+    plateaus = find_plateaus(canvas, ramps >= 0)
     known = np.array(unlike(canvas, plateaus.keys[plateaus.full >= _CORE], _TWIN)[:_MOST], np.uint32)
     cells = canvas.cells(~plateaus.core)
     low, high = (values[:, cells] for values in _ranges(canvas))
     inks = _clipped_strokes(canvas, cells, high - low, known)
+    if surfaces:
+        some = np.flatnonzero((high - low).max(axis=0) > LOW)
+        cells, low, high = cells[some], low[:, some], high[:, some]
     known = np.append(known, inks)
     reached = _reached(canvas, plateaus.core, cells, known)
+    best, least = in_parts(
+        lambda part: _settled(canvas, cells[part], low[:, part], high[:, part], known, reached[:, part]), cells.size)
+    for number, surface in enumerate(surfaces):
+        near = within((ramps == number)[np.newaxis], RIM, np.maximum)[0]
+        row, col = canvas.places(cells)
+        some = np.flatnonzero(near[row, col])
+        colour = surface.colours(np.stack([col[some], row[some]], axis=1) + 0.5).T
+        off = _unexplained(canvas.colours(cells[some]), colour, low[:, some], high[:, some])
+        nearer = off < least[some]
+        best[some[nearer]], least[some[nearer]] = _packed(colour[:, nearer]), off[nearer]
     keys = canvas.keys.copy()
-    keys[cells], = in_parts(
-        lambda part: (_settled(canvas, cells[part], low[:, part], high[:, part], known, reached[:, part]),), cells.size)
+    keys[cells] = best
     return replace(canvas, keys=np.pad(canvas.bare(keys), RIM, mode="edge").ravel()), inks
 
 
@@ -93,20 +156,33 @@ def _reached(canvas: Canvas, core: np.ndarray, cells: np.ndarray, known: np.ndar
 
 
 def _settled(canvas: Canvas, cells: np.ndarray, low: np.ndarray, high: np.ndarray, known: np.ndarray,
-             reached: np.ndarray) -> np.ndarray:
-    """Packed colours of pixels, the nearest `known` one that is `reached` where ringing explains the rest."""
+             reached: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Packed colours of pixels, the nearest `known` one that is `reached` where ringing explains the rest, and that."""
     here = canvas.colours(cells)
     best: np.ndarray = canvas.keys[cells]
-    span, middle = high - low, (high + low) / 2
     least = np.full(best.size, np.inf, np.float32)
     for key, colour, some in zip(known, planes(known, canvas.opaque).T, reached):
-        off = here - colour[:, None]
-        beyond = off * (colour[:, None] - middle) > 0
-        off = np.abs(off)
-        explained = (off <= ROUNDING + np.where(beyond, BEYOND, SHORT) * span).all(axis=0)
-        nearer = explained & some & (off.max(axis=0) < least)
-        best[nearer], least[nearer] = key, off.max(axis=0)[nearer]
-    return best
+        off = _unexplained(here, colour[:, None], low, high)
+        nearer = some & (off < least)
+        best[nearer], least[nearer] = key, off[nearer]
+    return best, least
+
+
+def _unexplained(here: np.ndarray, colour: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """How far pixels (C, N) are from colours; infinite where ringing between the lowest and highest explains less."""
+    off = here - colour
+    beyond = off * (colour - (high + low) / 2) > 0
+    off = np.abs(off)
+    explained = (off <= ROUNDING + np.where(beyond, BEYOND, SHORT) * (high - low)).all(axis=0)
+    return np.where(explained, off.max(axis=0), np.float32(np.inf))
+
+
+def _packed(colours: np.ndarray) -> np.ndarray:
+    """Premultiplied colours (C, N) packed."""
+    rgba = np.full((colours.shape[1], 4), 255.0)
+    rgba[:, :len(colours)] = colours.T
+    rgba[:, :3] *= 255 / np.maximum(rgba[:, 3:], 1)
+    return np.asarray(np.rint(rgba).clip(0, 255).astype(np.uint8).view(np.uint32)[:, 0])
 
 
 def _clipped_strokes(canvas: Canvas, cells: np.ndarray, span: np.ndarray, known: np.ndarray) -> np.ndarray:

@@ -21,13 +21,14 @@ from .palette import Plateaus, find_plateaus
 from .ramps import find_ramps
 from .sides import window
 from .spans import renumber, spans_of
+from .surfaces import AREA as CLEAN_PIECE
 from .surfaces import extend, separate
 
-UNSTEADY = 0.006
-"""Least share of zigzags in a picture with ripples: strokes and rounding make fewer."""
+UNSTEADY = 0.0015
+"""Least share of zigzags of four steps in a picture with ripples: a stroke with a light and a dark side has three."""
 
 GRAINY = 0.42
-"""Share of zigzags that only a grain makes, which is the same everywhere."""
+"""Share of those of three steps that only a grain makes, which is the same everywhere."""
 
 RIPPLED, DITHERED = 1.4, 2.0
 """How much stronger than most are the ripples beside edges in a JPEG, and the dots of colours far apart in a GIF."""
@@ -108,31 +109,61 @@ class Soft(NamedTuple):
 
 def find_soft(canvas: Canvas, noise: float) -> Optional[Soft]:
     """The ramps of a picture with ripples, most of them no stronger than `noise` levels, if it has both."""
-    share = zigzags(canvas) if noise > ROUNDING else 0.0
-    if share < UNSTEADY:
+    if noise <= ROUNDING or zigzags(canvas, 4) < UNSTEADY:
         return None
-    noise, margins = _margins(canvas, noise, share)
-    even = calm(canvas, margins)
-    even = calm(even, margins / 2)
-    slopes, count = find_ramps(even, BEND)
-    slopes = slopes.copy()
-    size, steep = _steep(even, slopes, [None] * count, margins)
-    if size[steep].sum() < SLOPING * slopes.size:
+    noise, margins = _margins(canvas, noise)
+    even = _calmed(canvas, margins)
+    known = _steep_ramps(even, margins, max(FIT, noise / LEFT), PIECE, 1.0)
+    if known is None:
         return None
-    flat = np.append(~steep & (size >= FLAT), False)[slopes]
-    renumber(slopes, _numbers(steep))
-    slopes, surfaces = separate(even, slopes, int(steep.sum()), ~flat, max(FIT, noise / LEFT), PIECE, 1.0)
-    size, steep = _steep(even, slopes, surfaces, margins)
-    if size[steep].sum() < SLOPING * slopes.size:
-        return None
-    flat |= np.append(~steep & (size >= FLAT), False)[slopes]
-    renumber(slopes, _numbers(steep))
-    surfaces = [_clipped(surfaces[number], 3 if canvas.opaque else 4, noise / 4) for number in np.flatnonzero(steep)]
-    extend(even, slopes, surfaces, ~flat, canvas.bare(margins))
+    slopes, surfaces, free = known
+    surfaces = [_clipped(surface, 3 if canvas.opaque else 4, noise / 4) for surface in surfaces]
+    extend(even, slopes, surfaces, free, canvas.bare(margins))
     plateaus = find_plateaus(even, slopes >= 0)
     keys = _flat_colours(even, plateaus, slopes >= 0, noise, margins)
     bled = canvas if canvas.opaque and margins.min() < noise else None
     return Soft(even, slopes, surfaces, plateaus, keys, noise, margins / LEFT, bled)
+
+
+def ramps_under(canvas: Canvas, margins: np.ndarray) -> Optional[Tuple[np.ndarray, List[Surface]]]:
+    """The ramps (H, W) of a picture with ripples no stronger than some margins (P,), and their surfaces, if it has any.
+
+    Beside its ripples the picture is clean.
+    """
+    even = _calmed(canvas, margins)
+    known = _steep_ramps(even, margins, FIT, CLEAN_PIECE, 0.5)
+    if known is None:
+        return None
+    slopes, surfaces, free = known
+    extend(even, slopes, surfaces, free, np.maximum(FIT, canvas.bare(margins)))
+    return slopes, surfaces
+
+
+def _calmed(canvas: Canvas, margins: np.ndarray) -> Canvas:
+    """The picture without most of its ripples."""
+    return calm(calm(canvas, margins), margins / 2)
+
+
+def _steep_ramps(canvas: Canvas, margins: np.ndarray, fit: float, piece: int,
+                 joint: float) -> Optional[Tuple[np.ndarray, List[Surface], np.ndarray]]:
+    """The ramps (H, W) of a calmed picture that ripples alone do not make, their surfaces, and where they may go on.
+
+    None where they have too small a share of the picture.
+    """
+    slopes, count = find_ramps(canvas, BEND)
+    slopes = slopes.copy()
+    size, steep = _steep(canvas, slopes, [None] * count, margins)
+    if size[steep].sum() < SLOPING * slopes.size:
+        return None
+    flat = np.append(~steep & (size >= FLAT), False)[slopes]
+    renumber(slopes, _numbers(steep))
+    slopes, surfaces = separate(canvas, slopes, int(steep.sum()), ~flat, fit, piece, joint)
+    size, steep = _steep(canvas, slopes, surfaces, margins)
+    if size[steep].sum() < SLOPING * slopes.size:
+        return None
+    flat |= np.append(~steep & (size >= FLAT), False)[slopes]
+    renumber(slopes, _numbers(steep))
+    return slopes, [surfaces[number] for number in np.flatnonzero(steep)], ~flat
 
 
 def _flat_colours(canvas: Canvas, plateaus: Plateaus, ramps: np.ndarray, noise: float,
@@ -144,12 +175,12 @@ def _flat_colours(canvas: Canvas, plateaus: Plateaus, ramps: np.ndarray, noise: 
     return np.array(unlike(canvas, np.append(keys, more), 2 * noise / LEFT), np.uint32)
 
 
-def _margins(canvas: Canvas, noise: float, share: float) -> Tuple[float, np.ndarray]:
-    """How strong ripples are at most in a picture with a share of zigzags, and round each pixel (P,), levels.
+def _margins(canvas: Canvas, noise: float) -> Tuple[float, np.ndarray]:
+    """How strong ripples are at most, and round each pixel (P,), levels.
 
     Most have `noise` levels.  A grain is the same everywhere.
     """
-    if share > GRAINY:
+    if zigzags(canvas, 3) > GRAINY:
         return noise, np.full(canvas.keys.size, noise)
     if np.unique(canvas.keys).size <= REDUCED:
         return DITHERED * noise, np.maximum(_of_dots(canvas), DITHERED * noise)
@@ -229,8 +260,8 @@ def _numbers(kept: np.ndarray) -> np.ndarray:
     return np.append(np.where(kept, np.cumsum(kept) - 1, -1), -1).astype(np.int32)
 
 
-def zigzags(canvas: Canvas) -> float:
-    """Share of the pixels of soft areas, where three steps in a row go up, down and up, or the other way round."""
+def zigzags(canvas: Canvas, count: int) -> float:
+    """Share of the pixels of soft areas where so many steps in a row, 3 or 4, go up and down by turns."""
     cells = canvas.cells(np.ones(canvas.shape, bool))
     cells = cells[::max(1, cells.size // _SAMPLE)]
     around = canvas.colours(cells + np.append(window(canvas.stride, 1, RIM), 0)[:, None])
@@ -238,8 +269,9 @@ def zigzags(canvas: Canvas) -> float:
     cells = cells[(span > ROUNDING) & (span <= SOFT)]
     turning = np.zeros(cells.size, bool)
     for step in (1, canvas.stride):
-        before, here, there, after = (canvas.colours(cells + k * step) for k in (-1, 0, 1, 2))
+        places = (np.arange(count + 1) - count // 2) * step
+        steps = np.diff(canvas.colours(cells + places[:, None]), axis=1)
+        steps[:, ::2] *= -1
         for sign in (1, -1):
-            steps = sign * np.stack([here - before, here - there, after - there])
-            turning |= (steps >= _TURN).all(axis=0).any(axis=0)
+            turning |= (sign * steps >= _TURN).all(axis=1).any(axis=0)
     return float(turning.sum() / max(turning.size, 1))

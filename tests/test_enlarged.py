@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from artwork import CARTOON, draw
+from artwork import CARTOON, disc, draw, everywhere, stroke
 
 from ddtcore.canvas import premultiply
 from ddtcore.enlarged import LEAST, LOST, enlarged_by, halved, lost_by_halving, original
@@ -43,6 +43,15 @@ def test_enlarged_pictures_are_traced_as_they_were(clean, kind):
     before, after = (trace(image, TraceOptions()) for image in (clean, scaled(clean, 2, FILTERS[kind])))
     assert {shape.rgb for shape in before.shapes} <= {shape.rgb for shape in after.shapes}
     assert abs(len(before.shapes) - len(after.shapes)) <= 2
+
+
+@pytest.mark.parametrize("kind", FILTERS)
+def test_faint_strokes_on_a_pure_hue_stay(kind):
+    # Nothing was cut off but the excess of the one channel that is at its end.
+    image = draw(192, 192, [((255, 160, 40, 255), everywhere), ((255, 150, 32, 255), stroke(96, 96, 0.3, 4, 80)),
+                            ((30, 20, 10, 255), disc(40, 150, 24))])
+    small = original(scaled(image, 2, FILTERS[kind]))[0]
+    assert np.abs(small.astype(int) - image)[20:170, 70:].max() <= 6
 
 
 def test_what_is_transparent_is_enlarged_too(clean):

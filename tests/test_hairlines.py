@@ -44,6 +44,16 @@ def test_the_ink_of_a_rim_is_found(width, ink, beyond):
     assert ink_of(covered(width), ink, beyond).tolist() == list(ink)
 
 
+@pytest.mark.parametrize("ink", [(0, 0, 0), (160, 0, 0), (20, 10, 120)])
+@pytest.mark.parametrize("width", [1.4, 1.6])
+def test_strokes_that_cover_some_pixels_in_full_have_their_ink(width, ink):
+    assert abs(ink_of(covered(width), ink, RAMP) - ink).max() <= 2
+
+
+def test_pale_lines_have_an_ink_that_surely_explains_them():
+    assert ink_of(covered(0.45), (0, 0, 0)).tolist() == [0, 0, 0]
+
+
 @pytest.mark.parametrize("ink", [(80, 32, 16), (20, 10, 120)])
 def test_other_inks_are_nearly_found(ink):
     assert abs(ink_of(covered(0.9), ink) - ink).max() < 40

@@ -44,8 +44,7 @@ def drawn(image):
     return ramps, len(surfaces), add_drawn(canvas, ramps, surfaces, keys, labels)[0] - len(surfaces)
 
 
-@pytest.mark.parametrize("width", [1.2, 2.0, 3.0])
-@pytest.mark.parametrize("alpha", [0.25, 1.0])
+@pytest.mark.parametrize(("width", "alpha"), [(1.2, 0.25), (2.0, 0.25), (3.0, 0.25), (2.0, 1.0), (3.0, 1.0)])
 @pytest.mark.parametrize("top", [(255, 255, 255), (60, 30, 0)])
 def test_a_stroke_is_one_thing(width, alpha, top):
     ramps, count, more = drawn(picture(alpha * stroke(width), top))
@@ -53,6 +52,18 @@ def test_a_stroke_is_one_thing(width, alpha, top):
     full, away = stroke(width) > 0.9 * min(width, 1), abs(ACROSS) > width / 2 + 1.5
     assert (ramps[full] == count).mean() > 0.95
     assert not (ramps[away] == count).any()
+
+
+@pytest.mark.parametrize("width", [1.2, 1.6])
+@pytest.mark.parametrize("top", [(255, 255, 255), (60, 30, 0)])
+def test_a_stroke_that_covers_few_pixels_in_full_has_its_ink(width, top):
+    image = picture(stroke(width), top)
+    assert drawn(image)[2] == 0
+    labels = label_pixels(image, TraceOptions())
+    ink = int(np.abs(labels.palette[:, :3] - top).max(axis=1).argmin())
+    assert np.abs(labels.palette[ink, :3] - top).max() <= 2
+    assert (labels.index[stroke(width) > 0.9] == ink).mean() > 0.95
+    assert not (labels.index[abs(ACROSS) > width / 2 + 1.5] == ink).any()
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -65,6 +65,15 @@ def test_a_narrow_ring_without_plateaus_is_real_too():
     assert chosen(draw(60, 60, layers)) == {WHITE, BLACK, GREY}
 
 
+def test_beside_ramps_a_strip_between_unlike_colours_is_real():
+    layers = [(WHITE, everywhere), (BLACK, disc(20, 30, 12)), (RED, box(44, 4, 48, 56)), (GREY, box(48, 4, 50, 56))]
+    canvas = prepare(draw(60, 60, layers))
+    skip = np.zeros(canvas.shape, bool)
+    skip[:, :4] = True
+    keys = palette.choose_colours(canvas, palette.find_plateaus(canvas, skip), True)
+    assert GREY in map(tuple, unpack(keys).tolist())
+
+
 def test_colours_that_differ_by_one_level_both_count():
     layers = [((12, 12, 12, 255), everywhere), ((13, 14, 13, 255), half_plane(30, 30, 0.3)),
               (WHITE, disc(30, 30, 9))]

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import io
+from functools import lru_cache
 
 import numpy as np
 import pytest
@@ -13,13 +14,14 @@ from ddtcore.canvas import prepare, unpack
 from ddtcore.noise import ROUNDING
 from ddtcore.options import TraceOptions
 from ddtcore.regions import label_pixels
-from ddtcore.ringing import BEYOND, is_ringing, without_ringing
+from ddtcore.ringing import BEYOND, OVERSHOOTING, is_ringing, margins, overshoots, without_ringing
+from ddtcore.unsteady import ramps_under
 
 Image = pytest.importorskip("PIL.Image")
 
 LARGE = [(colour, lambda x, y, covers=covers: covers(x / 3, y / 3)) for colour, covers in CARTOON]
 WHITE, BLACK = (255, 255, 255, 255), (0, 0, 0, 255)
-DARK, SKIN = (33, 33, 33, 255), (255, 192, 128, 255)
+DARK, SKIN, TAN = (33, 33, 33, 255), (255, 192, 128, 255), (200, 150, 110, 255)
 
 
 def outline(x, y, radius, width):
@@ -139,3 +141,53 @@ def test_transparent_art():
     image = resized(draw(240, 240, LARGE), 0.5)
     image[image[..., 0] > 250] = 0
     assert settled(image).shape == image.shape
+
+
+@lru_cache(maxsize=None)
+def shaded(height=300, width=360):
+    """A disc with an outline and a slope of colour in it, and a bar with a slope that is a few pixels wide."""
+    image = draw(height, width, [(WHITE, everywhere), (BLACK, disc(150, 150, 120)), (TAN, disc(150, 150, 112)),
+                                 (BLACK, disc(120, 120, 20)), (BLACK, box(300, 40, 330, 260)),
+                                 (TAN, box(304, 44, 326, 256))])
+    share = np.clip(image[..., :3] / np.array(TAN[:3], float), 0, 1).min(axis=-1, keepdims=True)
+    share = share * (image[..., 2:3] < 160)
+    down = np.linspace(-60, 40, height)[:, None, None] * (1, 0.8, 0.7)
+    image[..., :3] = np.rint((image[..., :3] + share * down).clip(0, 255))
+    return image
+
+
+@pytest.mark.parametrize("factor", [0.5, 0.7])
+def test_edges_of_shaded_art_overshoot_when_it_was_reduced_only(factor):
+    assert overshoots(prepare(shaded())) < OVERSHOOTING / 2
+    assert overshoots(prepare(shaded()[::2, ::2])) < OVERSHOOTING / 2
+    assert overshoots(prepare(resized(shaded(), factor))) > OVERSHOOTING
+    assert overshoots(prepare(np.full((20, 30, 4), 255, np.uint8))) == 0
+
+
+@pytest.mark.parametrize("factor", [0.5, 0.7])
+def test_ramps_reach_up_to_the_edges(factor):
+    canvas = prepare(resized(shaded(), factor))
+    slopes, surfaces = ramps_under(canvas, margins(canvas))
+    small, _ = without_ringing(canvas, slopes, surfaces)
+    y, x = (np.mgrid[:canvas.shape[0], :canvas.shape[1]] + 0.5) / factor
+    beside = (np.hypot(x - 150, y - 150) > 104) & (np.hypot(x - 150, y - 150) < 112 - 1.3 / factor)
+    expected = np.array(TAN[:3]) + (-60 + 100 * y[..., None] / 299) * (1, 0.8, 0.7)
+    off, before = (np.abs(unpack(canvas.bare(some.keys))[..., :3] - expected).max(axis=-1)[beside]
+                   for some in (small, canvas))
+    assert np.mean(off <= 3) > 0.97
+    assert np.mean(before <= 3) < 0.95
+
+
+@pytest.mark.parametrize("factor", [0.5, 0.7])
+def test_reduced_shaded_art_has_no_more_regions(factor):
+    labels = label_pixels(resized(shaded(), factor), TraceOptions())
+    assert palette_of(labels) >= {WHITE, BLACK}
+    # The disc and the bar may have a gradient each.
+    assert len(labels.palette) == 2 + np.count_nonzero(labels.ramp) <= 4
+
+
+def test_faint_shades_on_ramps_stay():
+    image = resized(shaded(), 0.5)
+    image[40:60, 70:100, :3] = np.rint(image[40:60, 70:100, :3] * 0.95)
+    index = label_pixels(image, TraceOptions()).index
+    assert (index[42:58, 72:98] == index[50, 80]).all() and index[50, 80] != index[100, 60]

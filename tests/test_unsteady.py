@@ -63,8 +63,16 @@ def soft_of(image):
 
 @pytest.mark.parametrize("kind", SPOILED)
 def test_zigzags_tell_spoiled_pictures_from_clean_ones(kind):
-    assert zigzags(prepare(balloon())) < UNSTEADY / 2
-    assert zigzags(prepare(SPOILED[kind](balloon()))) > UNSTEADY
+    assert zigzags(prepare(balloon()), 4) < UNSTEADY / 2
+    assert zigzags(prepare(SPOILED[kind](balloon())), 4) > UNSTEADY
+
+
+def test_faint_strokes_with_a_light_and_a_dark_side_are_no_ripples():
+    sides = ((210, 130, 50, 255), 0.5), ((185, 105, 25, 255), -0.5)
+    image = draw(240, 300, [(SKIN, everywhere), *[(colour, stroke(150, y + side, 0.03, 1, 120))
+                                                  for y in (60, 70, 82, 100, 160, 172) for colour, side in sides]])
+    assert zigzags(prepare(image), 3) > 10 * UNSTEADY
+    assert zigzags(prepare(image), 4) < UNSTEADY / 2
 
 
 def test_clean_pictures_have_nothing_to_be_calmed():
