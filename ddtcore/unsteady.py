@@ -15,10 +15,11 @@ import numpy as np
 
 from .calm import calm
 from .canvas import RIM, Canvas, planes, within
+from .components import mask_areas
 from .growing import FIT, Surface, gradient_surface
 from .noise import REDUCED, ROUNDING, noisy_colours, unlike
 from .palette import Plateaus, find_plateaus
-from .ramps import find_ramps
+from .ramps import MANY, find_ramps
 from .sides import window
 from .spans import renumber, spans_of
 from .surfaces import extend, separate
@@ -116,10 +117,11 @@ def find_soft(canvas: Canvas, noise: float) -> Optional[Soft]:
     even = calm(even, margins / 2)
     slopes, count = find_ramps(even, BEND)
     slopes = slopes.copy()
+    flat, count = _beside_flat(slopes, even, count, margins)
     size, steep = _steep(even, slopes, [None] * count, margins)
     if size[steep].sum() < SLOPING * slopes.size:
         return None
-    flat = np.append(~steep & (size >= FLAT), False)[slopes]
+    flat |= np.append(~steep & (size >= FLAT), False)[slopes]
     renumber(slopes, _numbers(steep))
     slopes, surfaces = separate(even, slopes, int(steep.sum()), ~flat, max(FIT, noise / LEFT), PIECE, 1.0)
     size, steep = _steep(even, slopes, surfaces, margins)
@@ -133,6 +135,33 @@ def find_soft(canvas: Canvas, noise: float) -> Optional[Soft]:
     keys = _flat_colours(even, plateaus, slopes >= 0, noise, margins)
     bled = canvas if canvas.opaque and margins.min() < noise else None
     return Soft(even, slopes, surfaces, plateaus, keys, noise, margins / LEFT, bled)
+
+
+def _beside_flat(slopes: np.ndarray, canvas: Canvas, count: int, margins: np.ndarray) -> Tuple[np.ndarray, int]:
+    """Take flat areas out of the ramps that run into them, in place.
+
+    Returns where they are, (H, W), and how many ramps there are then.
+    """
+    flat, rest = np.zeros(slopes.shape, bool), np.zeros(slopes.shape, bool)
+    _, steep = _steep(canvas, slopes, [None] * count, margins)
+    for number, spans in enumerate(spans_of(slopes, count)):
+        if spans.size < FLAT or steep[number]:
+            continue
+        cells = spans.every(1)
+        inner = canvas.numbers(*np.divmod(cells, slopes.shape[1]))
+        usual = np.median(canvas.colours(inner[::-(-inner.size // _ASKED)]), axis=1)
+        near = np.abs(canvas.colours(inner) - usual[:, None]).max(axis=0) <= margins[inner] / LEFT
+        if 2 * np.count_nonzero(near) >= near.size:
+            flat.ravel()[cells[near]] = True
+            rest.ravel()[cells[~near]] = True
+    slopes[flat | rest] = -1
+    areas = mask_areas(rest)
+    large = np.flatnonzero(areas.size >= AREA)
+    large = large[np.argsort(-areas.size[large], kind="stable")[:MANY]]
+    given = np.full(areas.size.size, -1, slopes.dtype)
+    given[large] = np.arange(count, count + large.size)
+    areas.put(slopes.ravel(), given)
+    return flat, count + large.size
 
 
 def _flat_colours(canvas: Canvas, plateaus: Plateaus, ramps: np.ndarray, noise: float,
