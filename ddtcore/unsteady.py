@@ -95,6 +95,8 @@ class Soft(NamedTuple):
         How far each pixel may be from the colour of its ramp, levels.
     bled : Canvas, optional
         The picture as it came, if its hue may have bled over edges.
+    grainy : bool
+        Whether the ripples are the grain of a scan.
     """
 
     canvas: Canvas
@@ -105,6 +107,7 @@ class Soft(NamedTuple):
     noise: float
     doubt: np.ndarray
     bled: Optional[Canvas]
+    grainy: bool
 
 
 def find_soft(canvas: Canvas, noise: float) -> Optional[Soft]:
@@ -134,7 +137,7 @@ def find_soft(canvas: Canvas, noise: float) -> Optional[Soft]:
     plateaus = find_plateaus(even, slopes >= 0)
     keys = _flat_colours(even, plateaus, slopes >= 0, noise, margins)
     bled = canvas if canvas.opaque and margins.min() < noise else None
-    return Soft(even, slopes, surfaces, plateaus, keys, noise, margins / LEFT, bled)
+    return Soft(even, slopes, surfaces, plateaus, keys, noise, margins / LEFT, bled, share > GRAINY)
 
 
 def _beside_flat(slopes: np.ndarray, canvas: Canvas, count: int, margins: np.ndarray) -> Tuple[np.ndarray, int]:
