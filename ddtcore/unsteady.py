@@ -33,6 +33,9 @@ GRAINY = 0.42
 RIPPLED, DITHERED = 1.4, 2.0
 """How much stronger than most are the ripples beside edges in a JPEG, and the dots of colours far apart in a GIF."""
 
+FINE = 0.6
+"""Pixels of a ramp in a scan differ from it by less than this share of the grain, as that was averaged away."""
+
 SOFT = 24.0
 """Largest range of a channel within 7 x 7 pixels where zigzags are looked for, levels."""
 
@@ -133,11 +136,12 @@ def find_soft(canvas: Canvas, noise: float) -> Optional[Soft]:
     flat |= np.append(~steep & (size >= FLAT), False)[slopes]
     renumber(slopes, _numbers(steep))
     surfaces = [_clipped(surfaces[number], 3 if canvas.opaque else 4, noise / 4) for number in np.flatnonzero(steep)]
-    extend(even, slopes, surfaces, ~flat, canvas.bare(margins))
+    grainy = share > GRAINY
+    extend(even, slopes, surfaces, ~flat, canvas.bare(margins) * (FINE if grainy else 1))
     plateaus = find_plateaus(even, slopes >= 0)
     keys = _flat_colours(even, plateaus, slopes >= 0, noise, margins)
     bled = canvas if canvas.opaque and margins.min() < noise else None
-    return Soft(even, slopes, surfaces, plateaus, keys, noise, margins / LEFT, bled, share > GRAINY)
+    return Soft(even, slopes, surfaces, plateaus, keys, noise, margins / LEFT, bled, grainy)
 
 
 def _beside_flat(slopes: np.ndarray, canvas: Canvas, count: int, margins: np.ndarray) -> Tuple[np.ndarray, int]:
