@@ -194,7 +194,7 @@ def new_colours(canvas: Canvas, cells: np.ndarray, ridges: Ridges, colours: np.n
             key = _extreme(canvas, like, ridges.off[:, highest], canvas.keys[cell])
             key = _pure(key, PURE + min(8 * doubt, 3 * PURE))
             if blurred:
-                key = _black(canvas, ridges.some(np.flatnonzero(fits)), beside[fits, 0], key)
+                key = _black(canvas, ridges.some(np.flatnonzero(fits)), beside[fits, 0] + doubt, key)
             exact = planes(key, canvas.opaque)
             if (np.abs(exact - colours).max(axis=0) >= TWIN + 2 * doubt).all():
                 found, colours = np.append(found, key), np.append(colours, exact, axis=1)
