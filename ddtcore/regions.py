@@ -23,6 +23,7 @@ from . import (
     overlays,
     palette,
     ramps,
+    regained,
     ringing,
     scraps,
     spots,
@@ -119,6 +120,7 @@ class _Known(NamedTuple):
     rippled: bool
     speck: float             # regions smaller than this are ripples, px²
     clear: Optional[Canvas]  # the picture as edges are to be told from it, if that is not as it came
+    soft: Optional[unsteady.Soft] = None  # its soft ramps, if they were found under ripples
 
 
 def _know(canvas: Canvas, grain: float) -> _Known:
@@ -157,8 +159,8 @@ def _know(canvas: Canvas, grain: float) -> _Known:
 
 def _know_soft(soft: unsteady.Soft) -> _Known:
     """The same of a picture whose soft ramps were found under ripples."""
-    canvas, slopes, found, plateaus, keys, noise, doubt, bled = soft
-    labels = palette.known_labels(canvas, plateaus, keys, noise)
+    canvas, slopes, found, plateaus, keys, noise, doubt, bled, grainy = soft
+    labels = palette.known_labels(canvas, plateaus, keys, noise / unsteady.LEFT if grainy else noise)
     count, inks = overlays.add_drawn(canvas, slopes, found, keys, labels, doubt)
     plateaus, keys, clear = palette.find_plateaus(canvas, slopes >= 0), _with_inks(canvas, keys, inks), None
     if bled is not None:
@@ -167,7 +169,7 @@ def _know_soft(soft: unsteady.Soft) -> _Known:
         clear = bleeding.without_bleeding(bled, keys, noise / unsteady.RIPPLED, slopes, found)
         clear = canvas = replace(canvas, keys=np.where(drawn, canvas.keys, clear.keys))
     return _Known(canvas, slopes, [*found, *[None] * (count - len(found))], plateaus, keys,
-                  noise, noise / 2, True, unsteady.SPECK, clear)
+                  noise, noise / (unsteady.LEFT if grainy else 2), True, unsteady.SPECK, clear, soft)
 
 
 def _know_ringing(canvas: Canvas) -> Optional[_Known]:
@@ -195,7 +197,7 @@ def _stroke_colours(canvas: Canvas, slopes: np.ndarray, plateaus: palette.Platea
 
 def _label_rest(known: _Known) -> Labels:
     """Label the strokes and edges of a picture, too."""
-    canvas, slopes, found, plateaus, keys, noise, doubt, rippled, speck, clear = known
+    canvas, slopes, found, plateaus, keys, noise, doubt, rippled, speck, clear, soft = known
     count = len(found)
     if not keys.size and not count:
         return posterise(canvas, MANY)
@@ -205,16 +207,17 @@ def _label_rest(known: _Known) -> Labels:
     rippled |= doubt > QUANTISED
     ridges = strokes.find_ridges(canvas, cells, doubt)
     beyond = overlays.beyond_ramps(canvas, slopes, found, labels, ridges) if count and noise <= ROUNDING else ridges
-    keys, labels = _with_rare(canvas, plateaus, cells, beyond, keys, labels, noise, doubt, count > 0)
+    keys, labels = _with_rare(canvas, plateaus, cells, beyond, keys, labels, noise, doubt, count > 0,
+                              soft is not None and soft.grainy)
     if keys.size == 1 and not count and _stray(canvas, labels, planes(keys, canvas.opaque)):
         return posterise(canvas, MANY)
     colours = unpack(keys).astype(np.float64)
     if count:
         # What is drawn on ramps is narrow, and so are its pieces.
         wide = sum(surface is not None for surface in found)
-        soft = max(ramps.SOFT, 2 * noise)
-        ramps.absorb_pieces(canvas, labels, np.where(slopes < wide, slopes, -1), ramps.PIECE, soft)
-        ramps.absorb_pieces(canvas, labels, slopes, overlays.WIDE, soft)
+        like = max(ramps.SOFT, 2 * noise)
+        ramps.absorb_pieces(canvas, labels, np.where(slopes < wide, slopes, -1), ramps.PIECE, like)
+        ramps.absorb_pieces(canvas, labels, slopes, overlays.WIDE, like)
         canvas.bare(labels)[slopes >= 0] = slopes[slopes >= 0] + keys.size
         colours = np.concatenate([colours, mean_colours(canvas, slopes)])
 
@@ -230,7 +233,9 @@ def _label_rest(known: _Known) -> Labels:
     result = Labels(index=index, palette=colours, thin=thin, ramp=np.arange(len(colours)) >= keys.size,
                     gradients=tuple(surface and surface.gradient for surface in found),
                     clear=None if clear is None else unpack(clear.bare(clear.keys)))
-    result = merging.merge_twins(result, canvas.mixing(colours))
+    if soft is not None:
+        result = regained.regain_ramps(soft.canvas, result, found, soft.canvas.bare(soft.doubt), noise)
+    result = merging.merge_twins(result, canvas.mixing(result.palette))
     if noise > ROUNDING and rippled and clear is None and not count:
         result = uneven.join_slopes(canvas, result, noise)
     if specks > DITHER * cells.size + 10:
@@ -252,13 +257,14 @@ def _with_inks(canvas: Canvas, keys: np.ndarray, inks: np.ndarray) -> np.ndarray
 
 
 def _with_rare(canvas: Canvas, plateaus: palette.Plateaus, cells: np.ndarray, ridges: strokes.Ridges, keys: np.ndarray,
-               labels: np.ndarray, noise: float, doubt: float, soft: bool) -> Tuple[np.ndarray, np.ndarray]:
+               labels: np.ndarray, noise: float, doubt: float, soft: bool,
+               blurred: bool) -> Tuple[np.ndarray, np.ndarray]:
     """The colours and those that only thin strokes and small spots have, and labels with them.
 
-    Where there are `soft` ramps, plateaus are not asked again.
+    Where there are `soft` ramps, plateaus are not asked again; strokes of a `blurred` picture are nowhere full.
     """
     strange = strokes.unexplained(ridges, planes(keys, canvas.opaque), doubt - ROUNDING)
-    more = strokes.new_colours(canvas, cells, strange, planes(keys, canvas.opaque), labels, doubt)
+    more = strokes.new_colours(canvas, cells, strange, planes(keys, canvas.opaque), labels, doubt, blurred)
     if noise <= ROUNDING and not soft:
         more = np.append(more, palette.unmixed_colours(canvas, plateaus, np.append(keys, more)))
     if more.size:

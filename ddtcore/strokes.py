@@ -39,6 +39,9 @@ TWIN = 8.0
 PALE = 0.25
 """Share of another colour in the fullest pixel of a stroke, in a picture that isn't clean, at most."""
 
+DEEP = 0.4
+"""Smallest share of black or white in the fullest pixel of a stroke of a blurred picture that may be such."""
+
 COLOURS = 32
 """How many colours are weighed for strokes."""
 
@@ -154,7 +157,7 @@ def _is_passed(here: np.ndarray, near: np.ndarray, half: np.ndarray, beyond: np.
 
 
 def new_colours(canvas: Canvas, cells: np.ndarray, ridges: Ridges, colours: np.ndarray, labels: np.ndarray,
-                noise: float) -> np.ndarray:
+                noise: float, blurred: bool = False) -> np.ndarray:
     """Colours that occur in thin strokes only, packed, uint32.
 
     The ridge pixel that stands out most among those no colour explains has nearly the
@@ -169,6 +172,10 @@ def new_colours(canvas: Canvas, cells: np.ndarray, ridges: Ridges, colours: np.n
         The palette so far.
     labels : ndarray of shape (P,)
         Known labels with the rim, negative where unknown.
+    noise : float
+        How much flat areas vary, levels.
+    blurred : bool
+        Whether no pixel of a stroke need be full, as in a scan.
     """
     doubt = noise - ROUNDING
     ridges = unexplained(ridges, colours, doubt)
@@ -186,11 +193,23 @@ def new_colours(canvas: Canvas, cells: np.ndarray, ridges: Ridges, colours: np.n
             like = canvas.keys[cells[np.abs(around - colour).max(axis=0) < 10 + doubt]]
             key = _extreme(canvas, like, ridges.off[:, highest], canvas.keys[cell])
             key = _pure(key, PURE + min(8 * doubt, 3 * PURE))
+            if blurred:
+                key = _black(canvas, ridges.some(np.flatnonzero(fits)), beside[fits, 0] + doubt, key)
             exact = planes(key, canvas.opaque)
             if (np.abs(exact - colours).max(axis=0) >= TWIN + 2 * doubt).all():
                 found, colours = np.append(found, key), np.append(colours, exact, axis=1)
         ridges = ridges.some(np.flatnonzero(~fits))
     return found[_fullest(colours, found.size)] if doubt > 0 and found.size > 1 else found
+
+
+def _black(canvas: Canvas, ridges: Ridges, beside: np.ndarray, key: np.ndarray) -> np.ndarray:
+    """The packed ink (1,) of some ridge pixels: black or white if mixes with that are nearer than `beside` (R,)."""
+    for end in (0, 255):
+        rgba = np.full((1, 4), (end, end, end, 255), np.uint8).view(np.uint32)[:, 0]
+        off, share = third_share(ridges.colour, ridges.one, ridges.other, planes(rgba, canvas.opaque))
+        if off.mean() <= beside.mean() and share.max() > DEEP:
+            return rgba
+    return key
 
 
 def _fullest(colours: np.ndarray, count: int) -> np.ndarray:

@@ -15,10 +15,11 @@ import numpy as np
 
 from .calm import calm
 from .canvas import RIM, Canvas, planes, within
+from .components import mask_areas
 from .growing import FIT, Surface, gradient_surface
 from .noise import REDUCED, ROUNDING, noisy_colours, unlike
 from .palette import Plateaus, find_plateaus
-from .ramps import find_ramps
+from .ramps import MANY, find_ramps
 from .sides import window
 from .spans import renumber, spans_of
 from .surfaces import AREA as CLEAN_PIECE
@@ -32,6 +33,9 @@ GRAINY = 0.42
 
 RIPPLED, DITHERED = 1.4, 2.0
 """How much stronger than most are the ripples beside edges in a JPEG, and the dots of colours far apart in a GIF."""
+
+FINE = 0.6
+"""Pixels of a ramp in a scan differ from it by less than this share of the grain, as that was averaged away."""
 
 SOFT = 24.0
 """Largest range of a channel within 7 x 7 pixels where zigzags are looked for, levels."""
@@ -95,6 +99,8 @@ class Soft(NamedTuple):
         How far each pixel may be from the colour of its ramp, levels.
     bled : Canvas, optional
         The picture as it came, if its hue may have bled over edges.
+    grainy : bool
+        Whether the ripples are the grain of a scan.
     """
 
     canvas: Canvas
@@ -105,24 +111,52 @@ class Soft(NamedTuple):
     noise: float
     doubt: np.ndarray
     bled: Optional[Canvas]
+    grainy: bool
 
 
 def find_soft(canvas: Canvas, noise: float) -> Optional[Soft]:
     """The ramps of a picture with ripples, most of them no stronger than `noise` levels, if it has both."""
     if noise <= ROUNDING or zigzags(canvas, 4) < UNSTEADY:
         return None
-    noise, margins = _margins(canvas, noise)
+    noise, margins, grainy = _margins(canvas, noise)
     even = _calmed(canvas, margins)
-    known = _steep_ramps(even, margins, max(FIT, noise / LEFT), PIECE, 1.0)
+    known = _steep_ramps(even, margins, max(FIT, noise / LEFT), PIECE, 1.0, True)
     if known is None:
         return None
     slopes, surfaces, free = known
     surfaces = [_clipped(surface, 3 if canvas.opaque else 4, noise / 4) for surface in surfaces]
-    extend(even, slopes, surfaces, free, canvas.bare(margins))
+    extend(even, slopes, surfaces, free, canvas.bare(margins) * (FINE if grainy else 1))
     plateaus = find_plateaus(even, slopes >= 0)
     keys = _flat_colours(even, plateaus, slopes >= 0, noise, margins)
     bled = canvas if canvas.opaque and margins.min() < noise else None
-    return Soft(even, slopes, surfaces, plateaus, keys, noise, margins / LEFT, bled)
+    return Soft(even, slopes, surfaces, plateaus, keys, noise, margins / LEFT, bled, grainy)
+
+
+def _beside_flat(slopes: np.ndarray, canvas: Canvas, count: int, margins: np.ndarray) -> Tuple[np.ndarray, int]:
+    """Take flat areas out of the ramps that run into them, in place.
+
+    Returns where they are, (H, W), and how many ramps there are then.
+    """
+    flat, rest = np.zeros(slopes.shape, bool), np.zeros(slopes.shape, bool)
+    _, steep = _steep(canvas, slopes, [None] * count, margins)
+    for number, spans in enumerate(spans_of(slopes, count)):
+        if spans.size < FLAT or steep[number]:
+            continue
+        cells = spans.every(1)
+        inner = canvas.numbers(*np.divmod(cells, slopes.shape[1]))
+        usual = np.median(canvas.colours(inner[::-(-inner.size // _ASKED)]), axis=1)
+        near = np.abs(canvas.colours(inner) - usual[:, None]).max(axis=0) <= margins[inner] / LEFT
+        if 2 * np.count_nonzero(near) >= near.size:
+            flat.ravel()[cells[near]] = True
+            rest.ravel()[cells[~near]] = True
+    slopes[flat | rest] = -1
+    areas = mask_areas(rest)
+    large = np.flatnonzero(areas.size >= AREA)
+    large = large[np.argsort(-areas.size[large], kind="stable")[:MANY]]
+    given = np.full(areas.size.size, -1, slopes.dtype)
+    given[large] = np.arange(count, count + large.size)
+    areas.put(slopes.ravel(), given)
+    return flat, count + large.size
 
 
 def ramps_under(canvas: Canvas, margins: np.ndarray) -> Optional[Tuple[np.ndarray, List[Surface]]]:
@@ -131,7 +165,7 @@ def ramps_under(canvas: Canvas, margins: np.ndarray) -> Optional[Tuple[np.ndarra
     Beside its ripples the picture is clean.
     """
     even = _calmed(canvas, margins)
-    known = _steep_ramps(even, margins, FIT, CLEAN_PIECE, 0.5)
+    known = _steep_ramps(even, margins, FIT, CLEAN_PIECE, 0.5, False)
     if known is None:
         return None
     slopes, surfaces, free = known
@@ -144,18 +178,21 @@ def _calmed(canvas: Canvas, margins: np.ndarray) -> Canvas:
     return calm(calm(canvas, margins), margins / 2)
 
 
-def _steep_ramps(canvas: Canvas, margins: np.ndarray, fit: float, piece: int,
-                 joint: float) -> Optional[Tuple[np.ndarray, List[Surface], np.ndarray]]:
+def _steep_ramps(canvas: Canvas, margins: np.ndarray, fit: float, piece: int, joint: float,
+                 fading: bool) -> Optional[Tuple[np.ndarray, List[Surface], np.ndarray]]:
     """The ramps (H, W) of a calmed picture that ripples alone do not make, their surfaces, and where they may go on.
 
-    None where they have too small a share of the picture.
+    None where they have too small a share of the picture.  They may be `fading` into flat areas.
     """
     slopes, count = find_ramps(canvas, BEND)
     slopes = slopes.copy()
+    flat = np.zeros(slopes.shape, bool)
+    if fading:
+        flat, count = _beside_flat(slopes, canvas, count, margins)
     size, steep = _steep(canvas, slopes, [None] * count, margins)
     if size[steep].sum() < SLOPING * slopes.size:
         return None
-    flat = np.append(~steep & (size >= FLAT), False)[slopes]
+    flat |= np.append(~steep & (size >= FLAT), False)[slopes]
     renumber(slopes, _numbers(steep))
     slopes, surfaces = separate(canvas, slopes, int(steep.sum()), ~flat, fit, piece, joint)
     size, steep = _steep(canvas, slopes, surfaces, margins)
@@ -175,16 +212,16 @@ def _flat_colours(canvas: Canvas, plateaus: Plateaus, ramps: np.ndarray, noise: 
     return np.array(unlike(canvas, np.append(keys, more), 2 * noise / LEFT), np.uint32)
 
 
-def _margins(canvas: Canvas, noise: float) -> Tuple[float, np.ndarray]:
-    """How strong ripples are at most, and round each pixel (P,), levels.
+def _margins(canvas: Canvas, noise: float) -> Tuple[float, np.ndarray, bool]:
+    """How strong ripples are at most, and round each pixel (P,), levels; and whether they are a grain.
 
     Most have `noise` levels.  A grain is the same everywhere.
     """
     if zigzags(canvas, 3) > GRAINY:
-        return noise, np.full(canvas.keys.size, noise)
+        return noise, np.full(canvas.keys.size, noise), True
     if np.unique(canvas.keys).size <= REDUCED:
-        return DITHERED * noise, np.maximum(_of_dots(canvas), DITHERED * noise)
-    return RIPPLED * noise, _beside_edges(canvas, RIPPLED * noise)
+        return DITHERED * noise, np.maximum(_of_dots(canvas), DITHERED * noise), False
+    return RIPPLED * noise, _beside_edges(canvas, RIPPLED * noise), False
 
 
 def _of_dots(canvas: Canvas) -> np.ndarray:

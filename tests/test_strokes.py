@@ -125,6 +125,25 @@ def test_a_new_colour_is_found_once():
     assert len(found) == 1 and np.abs(found[0].astype(int) - ink).max() < 20
 
 
+@pytest.mark.parametrize("ink, black", [((0, 0, 0), True), ((150, 20, 90), False), ((110, 110, 110), False)])
+def test_strokes_that_blur_made_pale_are_black_where_mixes_with_black_explain_them(ink, black):
+    """What is less than half as dark stays grey."""
+    image = draw(90, 90, [((200, 220, 250, 255), everywhere), (WHITE, half_plane(45, 45, 0.1))]
+                 + [((*ink, 255), stroke(45, y, 0.1, 1.2, 40)) for y in (20, 45, 70)])
+    plane = np.pad(image[..., :3].astype(float), [(1, 1), (1, 1), (0, 0)], mode="edge")
+    plane = plane[1:-1] * 0.5 + (plane[2:] + plane[:-2]) * 0.25
+    image[..., :3] = np.rint(plane[:, 1:-1])
+    canvas = prepare(image)
+    cells = canvas.cells(np.ones(canvas.shape, bool))
+    labels = np.full(canvas.keys.size, -1, np.int32)
+    ridges = strokes.find_ridges(canvas, cells, 4.0)
+    known = np.array([[200, 220, 250], [255, 255, 255]], np.float32).T
+    pale, deep = (unpack(strokes.new_colours(canvas, cells, ridges, known, labels, 4.0, blurred)).tolist()
+                  for blurred in (False, True))
+    assert pale and min(pale[0][:3]) > 0
+    assert (list(BLACK) in deep) == black
+
+
 def test_no_new_colours_where_the_palette_explains_all():
     image = draw(90, 90, [(WHITE, everywhere), (BLACK, disc(30, 30, 12))]
                  + [(BLACK, stroke(60, 50, angle, 1.0, 20)) for angle in ANGLES])

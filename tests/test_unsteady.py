@@ -129,3 +129,25 @@ def test_ripples_of_a_jpeg_are_strongest_beside_edges_and_a_grain_is_so_everywhe
 def test_a_ramp_counts_in_a_picture_that_is_flat_elsewhere(kind):
     image = np.pad(balloon(), [(20, 120), (20, 220), (0, 0)], mode="edge")
     assert len(soft_of(SPOILED[kind](image)).surfaces) == 1
+
+
+def shadow(height=240, width=300):
+    """A disc whose shadow fades into the paper."""
+    y, x = np.mgrid[:height, :width] + 0.5
+    dark = np.clip(1.2 - np.hypot((x - 150) / 120, (y - 180) / 45), 0, 1)
+    image = draw(height, width, [(PAPER, everywhere), (SKIN, disc(150, 110, 70))])
+    paper = (image[..., :3] == 255).all(axis=-1)
+    image[paper, :3] = np.rint(255 - 120 * dark[paper])[:, None]
+    return image
+
+
+@pytest.mark.parametrize("kind", ["q75", "q50", "scan"])
+def test_what_fades_into_a_flat_area_is_a_ramp_and_the_flat_area_none(kind):
+    image = np.concatenate([shadow(), balloon()], axis=1)
+    image = np.pad(image, [(60, 60), (60, 60), (0, 0)], mode="edge")
+    soft = soft_of(SPOILED[kind](image))
+    assert len(soft.surfaces) in (2, 3)
+    level = image[..., :3].astype(int)
+    grey = (level[..., 0] > 150) & (level[..., 0] < 240) & (np.ptp(level, axis=-1) == 0)
+    assert (soft.slopes[grey] >= 0).mean() > 0.8
+    assert (soft.slopes[-50:] < 0).all()
