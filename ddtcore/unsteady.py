@@ -106,12 +106,16 @@ class Soft(NamedTuple):
     bled: Optional[Canvas]
 
 
-def find_soft(canvas: Canvas, noise: float) -> Optional[Soft]:
-    """The ramps of a picture with ripples, most of them no stronger than `noise` levels, if it has both."""
-    share = zigzags(canvas) if noise > ROUNDING else 0.0
-    if share < UNSTEADY:
-        return None
-    noise, margins = _margins(canvas, noise, share)
+def find_soft(canvas: Canvas, noise: float, margins: Optional[np.ndarray] = None) -> Optional[Soft]:
+    """The ramps of a picture with ripples, most of them no stronger than `noise` levels, if it has both.
+
+    How strong they are at most round each pixel, (P,), may be known already: its `margins`.
+    """
+    if margins is None:
+        share = zigzags(canvas) if noise > ROUNDING else 0.0
+        if share < UNSTEADY:
+            return None
+        noise, margins = _margins(canvas, noise, share)
     even = calm(canvas, margins)
     even = calm(even, margins / 2)
     slopes, count = find_ramps(even, BEND)
