@@ -17,6 +17,7 @@ from . import (
     areas,
     bleeding,
     detached,
+    dither,
     filling,
     glazes,
     merging,
@@ -92,6 +93,9 @@ def label_pixels(image: np.ndarray, options: TraceOptions) -> Labels:
 def _label_grainy(canvas: Canvas, most: int) -> Labels:
     """Label a picture with a grain all over, or a photograph; that in `most` colours."""
     plateaus = palette.find_plateaus(canvas, np.zeros(canvas.shape, bool))
+    dithered = dither.undithered(canvas, plateaus.core)
+    if dithered:
+        return _label_rest(_know_dithered(*dithered))
     soft = unsteady.find_soft(canvas, ripple_level(canvas, plateaus.core))
     if soft:
         return _label_rest(_know_soft(soft))
@@ -128,6 +132,9 @@ def _know(canvas: Canvas, grain: float) -> _Known:
     slopes, count = ramps.find_ramps(canvas)
     found: List[Optional[Surface]] = [None] * count
     plateaus = palette.find_plateaus(canvas, slopes >= 0)
+    dithered = None if grain else dither.undithered(canvas, plateaus.core)
+    if dithered:
+        return _know_dithered(*dithered)
     noise, rippled = (grain / LEFT, True) if grain else noise_level(canvas, plateaus.core, slopes)
     soft = unsteady.find_soft(canvas, ripple_level(canvas, plateaus.core)) if rippled and not grain else None
     if soft:
@@ -155,6 +162,12 @@ def _know(canvas: Canvas, grain: float) -> _Known:
         slopes, found, plateaus, inks = _surfaces(canvas, slopes, count, plateaus)
         keys = _with_inks(canvas, palette.choose_colours(canvas, plateaus, bool(found)), inks)
     return _Known(canvas, slopes, found, plateaus, keys, noise, noise * left, rippled, least, clear)
+
+
+def _know_dithered(canvas: Canvas, dots: np.ndarray) -> _Known:
+    """The same of a picture without its dithering, whose dots were so far from it round each pixel (P,), levels."""
+    soft = unsteady.find_soft(canvas, dither.SLOPING, np.maximum(dither.STRONGEST, dots / dither.LESS))
+    return _know_soft(soft) if soft else _know(canvas, dither.LEFT * LEFT)
 
 
 def _know_soft(soft: unsteady.Soft) -> _Known:

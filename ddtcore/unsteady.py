@@ -114,11 +114,16 @@ class Soft(NamedTuple):
     grainy: bool
 
 
-def find_soft(canvas: Canvas, noise: float) -> Optional[Soft]:
-    """The ramps of a picture with ripples, most of them no stronger than `noise` levels, if it has both."""
-    if noise <= ROUNDING or zigzags(canvas, 4) < UNSTEADY:
-        return None
-    noise, margins, grainy = _margins(canvas, noise)
+def find_soft(canvas: Canvas, noise: float, margins: Optional[np.ndarray] = None) -> Optional[Soft]:
+    """The ramps of a picture with ripples, most of them no stronger than `noise` levels, if it has both.
+
+    How strong they are at most round each pixel, (P,), may be known already: its `margins`.
+    """
+    grainy = False
+    if margins is None:
+        if noise <= ROUNDING or zigzags(canvas, 4) < UNSTEADY:
+            return None
+        noise, margins, grainy = _margins(canvas, noise)
     even = _calmed(canvas, margins)
     known = _steep_ramps(even, margins, max(FIT, noise / LEFT), PIECE, 1.0, True)
     if known is None:
