@@ -7,7 +7,7 @@ import io
 
 import numpy as np
 import pytest
-from artwork import CARTOON, colours_of, disc, draw, everywhere, palette_of
+from artwork import CARTOON, box, colours_of, disc, draw, everywhere, palette_of
 
 from ddtcore.calm import without_grain
 from ddtcore.canvas import prepare, unpack
@@ -73,6 +73,17 @@ def test_clean_art_has_no_noise(clean):
 def test_noise_grows_with_compression(clean):
     levels = [level(jpeg(clean, quality))[0] for quality in (95, 85, 50)]
     assert ROUNDING < levels[0] < levels[1] < levels[2] <= 24
+
+
+@pytest.mark.parametrize("quality", [90, 75, 50])
+def test_few_large_shapes_have_the_noise_that_is_beside_their_edges(quality):
+    """Ripples that run out into flat areas make ramps of these, which tell nothing of the noise."""
+    few = draw(400, 400, [((255, 255, 255, 255), everywhere), ((179, 206, 204, 255), box(120, 150, 280, 330)),
+                          ((214, 229, 229, 255), box(140, 150, 180, 330)), ((255, 211, 102, 255), disc(200, 90, 45))])
+    spoilt = jpeg(few, quality)
+    assert level(spoilt)[0] > 2 * ROUNDING
+    labels = label_pixels(spoilt, TraceOptions())
+    assert len(labels.palette) == 4 and label_components(labels.index, 8).max() <= 4
 
 
 @pytest.mark.parametrize("spoil", [lambda image: jpeg(image, 90), lambda image: jpeg(image, 75),
