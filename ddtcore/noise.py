@@ -58,7 +58,7 @@ def noise_level(canvas: Canvas, core: np.ndarray, slopes: np.ndarray) -> Tuple[f
     slopes : ndarray of shape (H, W) and dtype int16
         Number of the soft ramp of each pixel, -1 where there is none.
     """
-    level = ripple_level(canvas, core)
+    level = ripple_level(canvas, core | _even_parts(canvas, slopes))
     if level > ROUNDING and sloping_area(canvas, slopes) > SLOPING * slopes.size:
         return ROUNDING, True
     return level, level > ROUNDING
@@ -83,6 +83,21 @@ def ripple_level(canvas: Canvas, core: np.ndarray) -> float:
     if rippled < 0.05 or rippled * share < 0.005:
         return ROUNDING
     return float(min(STRONGEST, 1.3 * np.median(span[uneven])))
+
+
+def _even_parts(canvas: Canvas, slopes: np.ndarray) -> np.ndarray:
+    """Pixels (H, W) of the colour that half of a ramp has: a flat area with ripples along it, not more."""
+    some = np.flatnonzero(slopes.ravel() >= 0)
+    some = some[::max(1, some.size // _SAMPLE)]
+    keys, ramp = canvas.bare(canvas.keys), slopes.ravel()[some].astype(np.uint64)
+    pairs, counts = np.unique(ramp << np.uint64(32) | keys.ravel()[some], return_counts=True)
+    ramp = (pairs >> np.uint64(32)).astype(np.intp)
+    most = 2 * counts > np.bincount(ramp, counts)[ramp]
+    if not most.any():
+        return np.zeros(slopes.shape, bool)
+    even, own = np.zeros(int(slopes.max()) + 2, bool), np.zeros(int(slopes.max()) + 2, np.uint32)
+    even[ramp[most]], own[ramp[most]] = True, pairs[most].astype(np.uint32)
+    return np.asarray(even[slopes] & (own[slopes] == keys))
 
 
 def mixing_error(canvas: Canvas, labels: np.ndarray, cells: np.ndarray) -> float:

@@ -7,7 +7,8 @@ import io
 
 import numpy as np
 import pytest
-from artwork import CARTOON, colours_of, disc, draw, everywhere, palette_of
+from artwork import CARTOON, box, colours_of, disc, draw, everywhere, palette_of
+from otherart import photograph
 
 from ddtcore.calm import without_grain
 from ddtcore.canvas import prepare, unpack
@@ -73,6 +74,17 @@ def test_clean_art_has_no_noise(clean):
 def test_noise_grows_with_compression(clean):
     levels = [level(jpeg(clean, quality))[0] for quality in (95, 85, 50)]
     assert ROUNDING < levels[0] < levels[1] < levels[2] <= 24
+
+
+@pytest.mark.parametrize("quality", [90, 75, 50])
+def test_few_large_shapes_have_the_noise_that_is_beside_their_edges(quality):
+    """Ripples that run out into flat areas make ramps of these, which tell nothing of the noise."""
+    few = draw(400, 400, [((255, 255, 255, 255), everywhere), ((179, 206, 204, 255), box(120, 150, 280, 330)),
+                          ((214, 229, 229, 255), box(140, 150, 180, 330)), ((255, 211, 102, 255), disc(200, 90, 45))])
+    spoilt = jpeg(few, quality)
+    assert level(spoilt)[0] > 2 * ROUNDING
+    labels = label_pixels(spoilt, TraceOptions())
+    assert len(labels.palette) == 4 and label_components(labels.index, 8).max() <= 4
 
 
 @pytest.mark.parametrize("spoil", [lambda image: jpeg(image, 90), lambda image: jpeg(image, 75),
@@ -163,6 +175,23 @@ def test_photographs_are_posterised():
     assert len(label_pixels(image, TraceOptions(colors=5)).palette) <= 5
 
 
+@pytest.mark.parametrize("quality", [90, 75])
+def test_many_edges_under_ripples_are_flat_art(quality):
+    """So many that hardly two pixels are equal: it takes few colours near which pixels gather."""
+    paints = [(221, 34, 34, 255), (27, 79, 181, 255), (10, 125, 60, 255), (255, 208, 0, 255)]
+    layers = [((255, 255, 255, 255), everywhere)]
+    layers += [(paint, lambda x, y, k=k: ((y + x / 6) % 12 < 6) & (x // 60 == k)) for k, paint in enumerate(paints)]
+    dense = draw(240, 240, layers)
+    spoilt = jpeg(dense, quality)
+    assert is_noisy(prepare(spoilt))
+    canvas, grain = without_grain(prepare(spoilt), True)
+    assert grain == 0 and np.array_equal(unpack(canvas.bare(canvas.keys)), spoilt)
+    labels = label_pixels(spoilt, TraceOptions())
+    assert len(labels.palette) <= 6
+    off = np.abs(labels.palette[labels.index] - dense)[..., :3].max(axis=-1)
+    assert np.mean(off <= 24) > 0.75
+
+
 def test_soft_shades_under_a_grain_are_no_flat_colours():
     y, x = np.mgrid[:160, :200]
     for shade in (x + 20, 200 - y, np.hypot(x - 90, y - 80)):
@@ -170,6 +199,13 @@ def test_soft_shades_under_a_grain_are_no_flat_colours():
         image = np.rint(image).clip(0, 255).astype(np.uint8)
         image[..., 3] = 255
         assert is_noisy(prepare(image)) and without_grain(prepare(image)) is None
+
+
+@pytest.mark.parametrize("quality", [75, 50])
+def test_photographs_under_ripples_are_no_flat_art(quality):
+    for seed in range(2):
+        canvas = prepare(jpeg(photograph(seed=seed), quality))
+        assert is_noisy(canvas) and without_grain(canvas, True) is None
 
 
 def test_few_colours_stay_exact():
