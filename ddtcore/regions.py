@@ -53,7 +53,7 @@ QUANTISED = 3.5
 """Error of the mixes on edges from which a picture's colours count as reduced, levels."""
 
 GRAIN = 0.2
-"""Least share of zigzags in flat art with a grain; ripples of JPEG between edges everywhere make fewer."""
+"""Least share of zigzags of three steps in flat art with a grain; ripples of JPEG between edges everywhere make fewer."""
 
 CONTRAST = 48.0
 """A speck that differs by more than this from its surroundings is no ripple, levels."""
@@ -102,7 +102,7 @@ def _label_grainy(canvas: Canvas, most: int) -> Labels:
     soft = unsteady.find_soft(canvas, ripple_level(canvas, plateaus.core))
     if soft:
         return _label_rest(_know_soft(soft))
-    calmed = without_grain(canvas, unsteady.zigzags(canvas) < GRAIN)
+    calmed = without_grain(canvas, unsteady.zigzags(canvas, 3) < GRAIN)
     return label_flat_art(*calmed) if calmed else posterise(canvas, most)
 
 
