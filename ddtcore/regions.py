@@ -53,7 +53,7 @@ QUANTISED = 3.5
 """Error of the mixes on edges from which a picture's colours count as reduced, levels."""
 
 GRAIN = 0.2
-"""Least share of zigzags of three steps in flat art with a grain; ripples of JPEG between edges everywhere make fewer."""
+"""Least share of zigzags of three steps in flat art with a grain; ripples of JPEG between many edges make fewer."""
 
 CONTRAST = 48.0
 """A speck that differs by more than this from its surroundings is no ripple, levels."""
