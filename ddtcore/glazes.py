@@ -9,7 +9,7 @@ where one part shows which, the others are found by their colours.
 
 from __future__ import annotations
 
-from typing import Dict, List, Optional, Sequence, Tuple
+from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -40,7 +40,7 @@ OWN = 0.5
 REACH = 8
 """How far beyond the rows and columns of the ramp below a stroke may lie, px."""
 
-_TOLD = 1 << 12
+_TOLD = 1 << 11
 _WORK = 1 << 24
 
 
@@ -69,7 +69,8 @@ def follow(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface],
     spans = spans_of(ramps, len(surfaces))
     below = _below(ramps, [each.size for each in spans], surfaces)
     into = np.arange(len(surfaces))
-    bases: Dict[int, Surface] = {}
+    met = np.unique(below[below >= 0]).tolist()
+    bases = dict(zip(met, fitted_surfaces((_pixels(canvas, ramps, spans[k]) for k in met), REACH)))
     mixes: List[Tuple[int, int, Surface]] = []
     for number in sorted(np.flatnonzero(below >= 0).tolist(), key=lambda k: -spans[k].size):
         points, colour = _pixels(canvas, ramps, spans[number])
@@ -78,8 +79,6 @@ def follow(canvas: Canvas, ramps: np.ndarray, surfaces: List[Surface],
         if same:
             into[number] = same[0]
             continue
-        if base not in bases:
-            bases[base], = fitted_surfaces([_pixels(canvas, ramps, spans[base])], REACH)
         mix = _mix(bases[base], points, colour)
         if mix is not None:
             mixes.append((number, base, mix))

@@ -98,25 +98,35 @@ def _too_wide(canvas: Canvas, known: np.ndarray, labels: np.ndarray, cells: np.n
     some = np.flatnonzero(own)
     area = cell_components(cells[some], label[some], canvas.stride)
     size = np.bincount(area)
-    members = np.split(some[np.argsort(area, kind="stable")], np.cumsum(size)[:-1])
     largest = np.argsort(-size, kind="stable")[:MANY]
+    chosen = np.zeros(size.size, bool)
+    chosen[largest] = size[largest] >= AREA
+    some, area = some[chosen[area]], area[chosen[area]]
+    share = _shares(canvas, known, label[some], cells[some], colours, surfaces)
+    order = np.argsort(area, kind="stable")
     found: List[np.ndarray] = [np.zeros(0, np.intp)]
     cover = np.zeros(known.size)
-    for k in largest[size[largest] >= AREA].tolist():
-        here = members[k]
-        samples, _ = near_samples(known, cells[here], canvas.stride)
-        ink = label[here[0]]
-        present = (samples >= 0) & (known[samples] != ink)
-        if not present[0].any():
-            continue
-        sides = side_colours(canvas, known, cells[here], samples, surfaces)
-        _, share = mixes_with(canvas.colours(cells[here]), sides, present, colours[:, [ink]])
-        crest, width = profile(cover, cells[here], share[:, 0], canvas.stride)
+    for own in np.split(order, np.flatnonzero(np.diff(area[order])) + 1) if order.size else ():
+        crest, width = profile(cover, cells[some[own]], share[own], canvas.stride)
         if crest.any():
-            most = np.percentile(share[crest, 0], FULLEST)
-            if most < FULL and width > (WIDTH if _slanted(canvas, cells[here]) else STRAIGHT) * most:
-                found.append(here[share[:, 0] >= _CREST * most])
+            most = np.percentile(share[own[crest]], FULLEST)
+            if most < FULL and width > (WIDTH if _slanted(canvas, cells[some[own]]) else STRAIGHT) * most:
+                found.append(some[own[share[own] >= _CREST * most]])
     return np.concatenate(found)
+
+
+def _shares(canvas: Canvas, known: np.ndarray, label: np.ndarray, cells: np.ndarray, colours: np.ndarray,
+            surfaces: Sequence[Optional[Surface]]) -> np.ndarray:
+    """How much of pixels is covered by the colour of their label, on the known ones round them, (N,); 0 without any."""
+    samples, _ = near_samples(known, cells, canvas.stride)
+    sides = side_colours(canvas, known, cells, samples, surfaces)
+    present = (samples >= 0) & (known[samples] != label)
+    share = np.zeros(cells.size)
+    for ink in np.unique(label).tolist():
+        own = np.flatnonzero((label == ink) & present.any(axis=0))
+        here = canvas.colours(cells[own])
+        share[own] = mixes_with(here, sides[..., own], present[:, own], colours[:, [ink]])[1][:, 0]
+    return share
 
 
 def _slanted(canvas: Canvas, cells: np.ndarray) -> bool:
