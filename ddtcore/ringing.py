@@ -44,13 +44,13 @@ MARGIN = 0.1
 BESIDE = 0.08
 """How far it goes beyond a flat colour beside one straight edge, as a share of the contrast."""
 
-OVERSHOOTING = 0.15
+OVERSHOOTING = 0.065
 """Share of edges beside which the colour overshoots, from which a picture with soft ramps rings."""
 
 LOW = 40
 """Beside edges of less contrast ramps hardly ring, levels."""
 
-_STRONG, _BEND, _FIRST, _QUIET = 48.0, 2.5, 0.12, 0.16
+_STRONG, _FIRST, _QUIET, _TURN = 48.0, 0.12, 0.16, 0.01
 _SAMPLE = 1 << 14
 _CORE = 4
 _TWIN = 4.0
@@ -87,7 +87,7 @@ def overshoots(canvas: Canvas) -> float:
         edge = (rise > _STRONG) & (third > _FIRST * rise)
         edge &= (np.abs(first) < _QUIET * rise) & (np.abs(second) < _QUIET * rise)
         edges += int(np.count_nonzero(edge))
-        turning += int(np.count_nonzero(edge & (first - second > np.maximum(_BEND, 0.03 * rise))))
+        turning += int(np.count_nonzero(edge & (first >= 0) & (second < -np.maximum(1, _TURN * rise))))
     return turning / max(edges, 1)
 
 
