@@ -44,6 +44,7 @@ CLEAR = 40.0
 FULLEST = 90
 """Percentage of the pixels on the crest of a stroke that cover no more than its fullest ones."""
 
+_TOPS = 1.0, 0.75
 _CREST = 0.8
 _SURE = 0.5
 _PURE = np.array([0xFF000000, 0xFFFFFFFF], np.uint32)
@@ -70,7 +71,7 @@ class Inks:
                  rippled: float = 0.0) -> None:
         self._canvas, self._cells, self._sides, self._present = canvas, cells, sides, present
         self._cover = np.zeros(canvas.keys.size)
-        self._certain = CERTAIN + rippled
+        self._certain, self._tops = CERTAIN + rippled, _TOPS if rippled else _TOPS[:1]
 
     def find(self, some: np.ndarray) -> Optional[np.uint32]:
         """The ink of a stroke that some of the pixels, by their places among all, are; packed.
@@ -88,7 +89,7 @@ class Inks:
         height = length(off).max()
         if height < CLEAR:
             return None
-        for inks in (_PURE, _beyond(here, off)):
+        for inks in (_PURE, *(_beyond(here, off, top) for top in self._tops)):
             off, share = mixes_with(here, sides, present, planes(inks, self._canvas.opaque))
             middle = np.median(off, axis=0)
             best = int(np.argmax(middle <= middle.min() + _SURE))
@@ -110,9 +111,13 @@ class Inks:
         return bool(np.median(off, axis=0).min() <= OFF)
 
 
-def _beyond(here: np.ndarray, off: np.ndarray) -> np.ndarray:
-    """The colour that stands out most, and those that would do so more, packed."""
-    top = np.argmax(dot(off, off))
+def _beyond(here: np.ndarray, off: np.ndarray, share: float) -> np.ndarray:
+    """The colour that stands out more than a share of them, and those that would do so more, packed.
+
+    Where strokes ring, that which does most is none of their ink.
+    """
+    order = np.argsort(dot(off, off), kind="stable")
+    top = order[int(np.ceil(share * order.size)) - 1]
     rgba = np.full((_BEYOND.size, 4), 255, np.uint8)
     rgba[:, :3] = np.clip(np.rint(here[:3, top] + _BEYOND[:, None] * off[:3, top]), 0, 255)
     return rgba.view(np.uint32)[:, 0]

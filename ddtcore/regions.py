@@ -37,7 +37,7 @@ from .calm import LEFT, without_grain
 from .canvas import Canvas, mean_colours, planes, prepare, unpack, within
 from .growing import Surface
 from .model import Labels
-from .noise import ROUNDING, SPECK, mixing_error, noise_level, noisy_colours, ripple_level
+from .noise import ROUNDING, SPECK, mixing_error, noise_level, noisy_colours, ripple_level, unlike
 from .options import TraceOptions
 from .posterise import MOST_REGIONS, is_noisy, posterise
 from .sprites import label_sprite
@@ -198,7 +198,8 @@ def _know_ringing(canvas: Canvas) -> Optional[_Known]:
     noise = ringing.LEFT * ringing.STROKES
     slopes, found, plateaus, more = _surfaces(canvas, slopes, count, palette.find_plateaus(canvas, slopes >= 0), noise)
     keys = noisy_colours(canvas, plateaus, ringing.LEFT, ringing.LEFT, slopes >= 0)
-    keys = _with_inks(canvas, keys, np.append(inks, more))
+    inks = np.array(unlike(canvas, np.append(inks, more), strokes.TWIN), np.uint32)
+    keys = _with_inks(canvas, keys, inks)
     return _Known(canvas, slopes, found, plateaus, keys, noise, noise, True, ringing.SPECK, None)
 
 

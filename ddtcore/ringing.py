@@ -44,13 +44,13 @@ MARGIN = 0.1
 BESIDE = 0.08
 """How far it goes beyond a flat colour beside one straight edge, as a share of the contrast."""
 
-OVERSHOOTING = 0.15
+OVERSHOOTING = 0.065
 """Share of edges beside which the colour overshoots, from which a picture with soft ramps rings."""
 
 LOW = 40
 """Beside edges of less contrast ramps hardly ring, levels."""
 
-_STRONG, _BEND, _FIRST, _QUIET = 48.0, 2.5, 0.12, 0.16
+_STRONG, _FIRST, _QUIET, _TURN = 48.0, 0.12, 0.16, 0.01
 _SAMPLE = 1 << 14
 _CORE = 4
 _TWIN = 4.0
@@ -87,7 +87,7 @@ def overshoots(canvas: Canvas) -> float:
         edge = (rise > _STRONG) & (third > _FIRST * rise)
         edge &= (np.abs(first) < _QUIET * rise) & (np.abs(second) < _QUIET * rise)
         edges += int(np.count_nonzero(edge))
-        turning += int(np.count_nonzero(edge & (first - second > np.maximum(_BEND, 0.03 * rise))))
+        turning += int(np.count_nonzero(edge & (first >= 0) & (second < -np.maximum(1, _TURN * rise))))
     return turning / max(edges, 1)
 
 
@@ -125,7 +125,11 @@ def without_ringing(canvas: Canvas, ramps: Optional[np.ndarray] = None,
         some = np.flatnonzero((high - low).max(axis=0) > LOW)
         cells, low, high = cells[some], low[:, some], high[:, some]
     known = np.append(known, inks)
-    reached = _reached(canvas, plateaus.core, cells, known)
+    beside = is_mixed(planes(known, canvas.opaque), planes(known, canvas.opaque))
+    if surfaces:
+        # Along a stroke on a ramp the colour may come near any other.
+        beside[:known.size - inks.size] = True
+    reached = _reached(canvas, plateaus.core, cells, known, beside)
     best, least = in_parts(
         lambda part: _settled(canvas, cells[part], low[:, part], high[:, part], known, reached[:, part]), cells.size)
     for number, surface in enumerate(surfaces):
@@ -141,14 +145,13 @@ def without_ringing(canvas: Canvas, ramps: Optional[np.ndarray] = None,
     return replace(canvas, keys=np.pad(canvas.bare(keys), RIM, mode="edge").ravel()), inks
 
 
-def _reached(canvas: Canvas, core: np.ndarray, cells: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """Which pixels (N,) may have which `known` colours, bool (K, N): mixes of others only beside their plateaus.
+def _reached(canvas: Canvas, core: np.ndarray, cells: np.ndarray, known: np.ndarray, beside: np.ndarray) -> np.ndarray:
+    """Which pixels (N,) may have which `known` colours, bool (K, N): some of them only `beside` their plateaus.
 
-    Elsewhere they are what two rows of a thin stroke have.
+    Mixes of others elsewhere are what two rows of a thin stroke have.
     """
-    colours = planes(known, canvas.opaque)
     reached = np.ones((known.size, cells.size), bool)
-    for k in np.flatnonzero(is_mixed(colours, colours)):
+    for k in np.flatnonzero(beside):
         flat = canvas.rimmed(core, False).reshape(-1, canvas.stride)
         flat &= (canvas.keys == known[k]).reshape(flat.shape)
         reached[k] = within(flat[np.newaxis], RIM, np.maximum).ravel()[cells]

@@ -191,3 +191,14 @@ def test_faint_shades_on_ramps_stay():
     image[40:60, 70:100, :3] = np.rint(image[40:60, 70:100, :3] * 0.95)
     index = label_pixels(image, TraceOptions()).index
     assert (index[42:58, 72:98] == index[50, 80]).all() and index[50, 80] != index[100, 60]
+
+
+def test_strokes_on_ramps_ring_and_have_their_ink_and_no_rims():
+    image = shaded().copy()
+    lines = draw(300, 360, [(BLACK, everywhere), (WHITE, stroke(150, 200, 0.02, 2.4, 70)),
+                            (WHITE, stroke(150, 90, 1.4, 2.4, 40))])[..., :1] / 255.0
+    image[..., :3] = np.rint(image[..., :3] * (1 - lines) + lines * (160, 0, 0))
+    labels = label_pixels(resized(image, 0.7), TraceOptions())
+    assert np.count_nonzero(labels.ramp) <= 2
+    ink = int(np.abs(labels.palette[:, :3] - (160, 0, 0)).max(axis=1).argmin())
+    assert np.abs(labels.palette[ink, :3] - (160, 0, 0)).max() <= 16 and not labels.ramp[ink]
