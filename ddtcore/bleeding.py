@@ -41,7 +41,7 @@ _CAP = 60.0
 _MIXED = 0.005
 _RIM = _REACH + len(_BLED) // 2
 _INNER = slice(_RIM, -_RIM)
-_SAMPLE = 64
+_SAMPLE = 24
 _PART = 128
 
 

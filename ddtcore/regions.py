@@ -176,6 +176,8 @@ def _know_dithered(canvas: Canvas, dots: np.ndarray) -> _Known:
 def _know_soft(soft: unsteady.Soft) -> _Known:
     """The same of a picture whose soft ramps were found under ripples."""
     canvas, slopes, found, plateaus, keys, noise, doubt, bled, grainy = soft
+    if bled is not None:
+        keys = unsteady.without_hue_twins(canvas, plateaus, keys, noise)
     labels = palette.known_labels(canvas, plateaus, keys, noise / unsteady.LEFT if grainy else noise)
     count, inks = overlays.add_drawn(canvas, slopes, found, keys, labels, doubt)
     plateaus, keys, clear = palette.find_plateaus(canvas, slopes >= 0), _with_inks(canvas, keys, inks), None

@@ -18,7 +18,7 @@ from .canvas import RIM, Canvas, planes, within
 from .components import mask_areas
 from .growing import FIT, Surface, gradient_surface
 from .noise import REDUCED, ROUNDING, noisy_colours, unlike
-from .palette import Plateaus, find_plateaus
+from .palette import Plateaus, find_plateaus, known_labels
 from .ramps import MANY, find_ramps
 from .sides import window
 from .spans import renumber, spans_of
@@ -72,6 +72,12 @@ FLAT = 256
 
 SPECK = 24.0
 """Regions smaller than this are ripples, px²."""
+
+AMONG, MINGLED = 3, 0.7
+"""Two hues of one colour have this share of the pixels of the rarer one so near to the other, px."""
+
+LUMA = np.array([0.299, 0.587, 0.114], np.float32)
+"""Shares of the channels in how bright a pixel is."""
 
 _TURN = 2
 _SAMPLE = 1 << 15
@@ -215,6 +221,29 @@ def _flat_colours(canvas: Canvas, plateaus: Plateaus, ramps: np.ndarray, noise: 
     rippled = ramps | (canvas.bare(margins) > noise / 2)
     more = noisy_colours(canvas, find_plateaus(canvas, rippled), noise / LEFT, noise, rippled)
     return np.array(unlike(canvas, np.append(keys, more), 2 * noise / LEFT), np.uint32)
+
+
+def without_hue_twins(canvas: Canvas, plateaus: Plateaus, keys: np.ndarray, noise: float) -> np.ndarray:
+    """The packed flat colours of a JPEG, of those that differ in hue alone and lie among each other only the mean."""
+    colours = planes(keys, canvas.opaque)
+    dark = LUMA.dot(colours[:3])
+    off = np.abs(colours[:, :, None] - colours[:, None]).max(axis=0)
+    twins = np.triu((np.abs(dark[:, None] - dark) <= noise / LEFT) & (off <= 2 * noise), 1)
+    if not twins.any():
+        return keys
+    labels = canvas.bare(known_labels(canvas, plateaus, keys, noise))
+    size = np.bincount(labels[labels >= 0], minlength=keys.size)
+    kept = np.ones(keys.size, bool)
+    for one, other in np.argwhere(twins).tolist():
+        minor, major = sorted((one, other), key=lambda k: int(size[k]))
+        near = within((labels == major)[None].astype(np.int8), AMONG, np.maximum)[0] > 0
+        if kept[minor] and kept[major] and np.count_nonzero(near & (labels == minor)) > MINGLED * size[minor]:
+            colours[:, major] = np.average(colours[:, [minor, major]], axis=1, weights=size[[minor, major]] + 1)
+            size[major] += size[minor]
+            kept[minor] = False
+    rgba = np.full((keys.size, 4), 255, np.uint8)
+    rgba[:, :len(colours)] = np.rint(colours.T)
+    return np.asarray(rgba.view(np.uint32)[:, 0][kept])
 
 
 def _margins(canvas: Canvas, noise: float) -> Tuple[float, np.ndarray, bool]:

@@ -11,12 +11,12 @@ from artwork import disc, draw, everywhere, stroke
 from PIL import Image
 
 from ddtcore import trace
-from ddtcore.canvas import prepare
+from ddtcore.canvas import prepare, unpack
 from ddtcore.noise import ripple_level
 from ddtcore.options import TraceOptions
 from ddtcore.palette import find_plateaus
 from ddtcore.regions import label_pixels
-from ddtcore.unsteady import UNSTEADY, find_soft, zigzags
+from ddtcore.unsteady import UNSTEADY, find_soft, without_hue_twins, zigzags
 
 PAPER, INK, SKIN = (255, 255, 255, 255), (0, 0, 0, 255), (200, 120, 40, 255)
 
@@ -151,3 +151,16 @@ def test_what_fades_into_a_flat_area_is_a_ramp_and_the_flat_area_none(kind):
     grey = (level[..., 0] > 150) & (level[..., 0] < 240) & (np.ptp(level, axis=-1) == 0)
     assert (soft.slopes[grey] >= 0).mean() > 0.8
     assert (soft.slopes[-50:] < 0).all()
+
+
+@pytest.mark.parametrize("apart, blue, one", [(3, 145, True), (40, 145, False), (3, 200, False)])
+def test_hues_of_equal_brightness_are_one_colour_where_they_lie_among_each_other(apart, blue, one):
+    first, second = (41, 72, 118, 255), (34 - (blue > 145) * 15, 71 - (blue > 145) * 4, blue, 255)
+    stripes = [((PAPER, first, second)[k], lambda x, y, k=k: abs(y - 60 - k * apart % 80) < 2) for k in (1, 2)]
+    canvas = prepare(draw(200, 90, [(PAPER, everywhere), *stripes]))
+    plateaus = find_plateaus(canvas, np.zeros(canvas.shape, bool))
+    keys = np.array([PAPER, first, second], np.uint8).view(np.uint32)[:, 0]
+    left = unpack(without_hue_twins(canvas, plateaus, keys, 15.0))
+    assert len(left) == (2 if one else 3)
+    assert left[0].tolist() == list(PAPER)
+    assert np.abs(left[1:, :3].mean(axis=0) - np.mean([first, second], axis=0)[:3]).max() < 4
