@@ -43,7 +43,7 @@ ROOMS = {
     "picture in": "raster sprites ink enlarged",
     "pixels to regions": "regions canvas palette noise calm ringing bleeding mixes sides strokes narrow spots"
                          " margins ramps surfaces growing spans detached overlays shades astride hairlines scraps"
-                         " uneven unsteady dither"
+                         " uneven unsteady dither banded"
                          " posterise threshold areas"
                          " merging components",
     "mesh": "triangulation quads cost ribbon flips",
