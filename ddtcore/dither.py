@@ -15,6 +15,7 @@ from typing import NamedTuple, Optional, Tuple
 import numpy as np
 
 from .canvas import Canvas, count_keys, summed_keys, unpack, within
+from .palette import plain_colours
 from .parts import in_parts
 from .sides import window
 
@@ -61,7 +62,8 @@ def undithered(canvas: Canvas, core: np.ndarray) -> Optional[Tuple[Canvas, np.nd
     if min(core.shape) < 2 * REACH + 1 or not _is_dotted(canvas, core):
         return None
     palette, _ = count_keys(canvas.keys)
-    if palette.size > COLOURS:
+    # Where no colour is a mix of others, each pixel is what it says.
+    if palette.size > COLOURS or plain_colours(canvas).size:
         return None
     index = np.searchsorted(palette, canvas.bare(canvas.keys)).astype(np.int16)
     mixed = _mixed_colours(index, palette)
