@@ -15,6 +15,7 @@ from typing import NamedTuple, Optional, Tuple
 import numpy as np
 
 from .canvas import Canvas, count_keys, summed_keys, unpack, within
+from .palette import plain_colours
 from .parts import in_parts
 from .sides import window
 
@@ -23,6 +24,9 @@ COLOURS = 256
 
 SHARE = 0.01
 """Smallest share of a picture's area that is dithered."""
+
+DOTTED = 0.006
+"""Smallest share of its pixels that lie between two of another colour, in rows or in columns: strokes make fewer."""
 
 BLOCK = 4
 """Which colours are mixed is told for squares with this side, from dots in it and the eight round it, px."""
@@ -55,12 +59,11 @@ def undithered(canvas: Canvas, core: np.ndarray) -> Optional[Tuple[Canvas, np.nd
     core : ndarray of shape (H, W) and dtype bool
         Pixels in 2 x 2 blocks of equal ones.
     """
-    cells = canvas.cells(~core)
-    sample = canvas.keys[cells[::max(1, cells.size // _SAMPLE)]]
-    if not cells.size or np.unique(sample).size > COLOURS:
+    if min(core.shape) < 2 * REACH + 1 or not _is_dotted(canvas, core):
         return None
     palette, _ = count_keys(canvas.keys)
-    if palette.size > COLOURS or cells.size < SHARE * core.size or min(core.shape) < 2 * REACH + 1:
+    # Where no colour is a mix of others, each pixel is what it says.
+    if palette.size > COLOURS or plain_colours(canvas).size:
         return None
     index = np.searchsorted(palette, canvas.bare(canvas.keys)).astype(np.int16)
     mixed = _mixed_colours(index, palette)
@@ -78,6 +81,20 @@ def undithered(canvas: Canvas, core: np.ndarray) -> Optional[Tuple[Canvas, np.nd
         keys = _averaged(canvas, keys, dots, near, mixed.partners[:, place[some]])
     moved = np.abs(unpack(keys).astype(np.int16) - unpack(canvas.keys)).max(axis=1)
     return replace(canvas, keys=keys), within(moved.reshape(1, -1, canvas.stride), REACH, np.maximum).ravel()
+
+
+def _is_dotted(canvas: Canvas, core: np.ndarray) -> bool:
+    """Whether a picture of few colours, as far as a sample tells, has many pixels between two of another colour."""
+    cells = canvas.cells(~core)
+    sample = cells[::max(1, cells.size // _SAMPLE)]
+    here = canvas.keys[sample]
+    if cells.size < SHARE * core.size or np.unique(here).size > COLOURS:
+        return False
+    between = np.zeros(sample.size, bool)
+    for step in (1, canvas.stride):
+        side = canvas.keys[sample - step]
+        between |= (side == canvas.keys[sample + step]) & (side != here)
+    return bool(between.mean() * cells.size >= DOTTED * core.size)
 
 
 class _Mixed(NamedTuple):

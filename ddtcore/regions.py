@@ -15,6 +15,7 @@ import numpy as np
 
 from . import (
     areas,
+    banded,
     bleeding,
     detached,
     dither,
@@ -138,6 +139,9 @@ def _know(canvas: Canvas, grain: float) -> _Known:
     dithered = None if grain else dither.undithered(canvas, plateaus.core)
     if dithered:
         return _know_dithered(*dithered)
+    bands = None if grain else banded.find_banded(canvas, plateaus.core | (slopes >= 0))
+    if bands:
+        return _know_soft(bands)
     noise, rippled = (grain / LEFT, True) if grain else noise_level(canvas, plateaus.core, slopes)
     soft = unsteady.find_soft(canvas, ripple_level(canvas, plateaus.core)) if rippled and not grain else None
     if soft:

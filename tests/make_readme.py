@@ -43,7 +43,7 @@ ROOMS = {
     "picture in": "raster sprites ink enlarged",
     "pixels to regions": "regions canvas palette noise calm ringing bleeding mixes sides strokes narrow spots"
                          " filling residue margins ramps surfaces growing spans detached overlays glazes shades astride"
-                         " hairlines scraps uneven unsteady regained dither"
+                         " hairlines scraps uneven unsteady regained dither banded"
                          " posterise threshold areas"
                          " merging components",
     "mesh": "triangulation quads cost ribbon flips",
