@@ -39,7 +39,7 @@ BEYOND, SHORT = 0.13, 0.06
 """How far ringing goes beyond a flat colour, between two edges, and falls short of it: shares of the contrast."""
 
 MARGIN = 0.1
-"""How strong it is as a rule, as a share of the contrast within 7 x 7 pixels."""
+"""How strong it is there as a rule, as a share of the contrast within 7 x 7 pixels."""
 
 BESIDE = 0.08
 """How far it goes beyond a flat colour beside one straight edge, as a share of the contrast."""
@@ -92,7 +92,7 @@ def overshoots(canvas: Canvas) -> float:
 
 
 def margins(canvas: Canvas) -> np.ndarray:
-    """How strong ringing is at most round each pixel (P,), levels."""
+    """How strong ringing is as a rule round each pixel (P,), levels."""
     low, high = _ranges(canvas)
     return np.asarray(MARGIN * (high - low).max(axis=0))
 
