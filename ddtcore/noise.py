@@ -11,7 +11,7 @@ from typing import List, Optional, Tuple
 
 import numpy as np
 
-from .canvas import Canvas, count_keys, planes, unpack
+from .canvas import RIM, Canvas, count_keys, planes, unpack
 from .mixes import segment_distance
 from .palette import MIXED, Plateaus, is_mixed
 from .sides import window
@@ -21,6 +21,12 @@ ROUNDING = 2.0
 
 STRONGEST = 24.0
 """Largest noise that is reckoned with, levels."""
+
+UNSTEADY = 0.0015
+"""Least share of zigzags of four steps in a picture with ripples: a stroke with a light and a dark side has three."""
+
+SOFT = 24.0
+"""Largest range of a channel within 7 x 7 pixels where zigzags are looked for, levels."""
 
 SPECK = 12.0
 """Regions smaller than this in a noisy picture are ripples, px²."""
@@ -34,6 +40,7 @@ SLOPING = 0.1
 _LOW = 32
 _HIGH = 48
 _UNEVEN = 2
+_TURN = 2
 _APART = 8
 _SAMPLE = 1 << 14
 _VOTES = 1 << 16
@@ -58,7 +65,9 @@ def noise_level(canvas: Canvas, core: np.ndarray, slopes: np.ndarray) -> Tuple[f
     slopes : ndarray of shape (H, W) and dtype int16
         Number of the soft ramp of each pixel, -1 where there is none.
     """
-    level = ripple_level(canvas, core | _even_parts(canvas, slopes))
+    if slopes.max(initial=-1) >= 0 and zigzags(canvas, 4) >= UNSTEADY:
+        core = core | _even_parts(canvas, slopes)
+    level = ripple_level(canvas, core)
     if level > ROUNDING and sloping_area(canvas, slopes) > SLOPING * slopes.size:
         return ROUNDING, True
     return level, level > ROUNDING
@@ -98,6 +107,23 @@ def _even_parts(canvas: Canvas, slopes: np.ndarray) -> np.ndarray:
     even, own = np.zeros(int(slopes.max()) + 2, bool), np.zeros(int(slopes.max()) + 2, np.uint32)
     even[ramp[most]], own[ramp[most]] = True, pairs[most].astype(np.uint32)
     return np.asarray(even[slopes] & (own[slopes] == keys))
+
+
+def zigzags(canvas: Canvas, count: int) -> float:
+    """Share of the pixels of soft areas where so many steps in a row, 3 or 4, go up and down by turns."""
+    cells = canvas.cells(np.ones(canvas.shape, bool))
+    cells = cells[::max(1, cells.size // (2 * _SAMPLE))]
+    around = canvas.colours(cells + np.append(window(canvas.stride, 1, RIM), 0)[:, None])
+    span = (around.max(axis=1) - around.min(axis=1)).max(axis=0)
+    cells = cells[(span > ROUNDING) & (span <= SOFT)]
+    turning = np.zeros(cells.size, bool)
+    for step in (1, canvas.stride):
+        places = (np.arange(count + 1) - count // 2) * step
+        steps = np.diff(canvas.colours(cells + places[:, None]), axis=1)
+        steps[:, ::2] *= -1
+        for sign in (1, -1):
+            turning |= (sign * steps >= _TURN).all(axis=1).any(axis=0)
+    return float(turning.sum() / max(turning.size, 1))
 
 
 def mixing_error(canvas: Canvas, labels: np.ndarray, cells: np.ndarray) -> float:

@@ -38,7 +38,7 @@ from .calm import LEFT, without_grain
 from .canvas import Canvas, mean_colours, planes, prepare, unpack, within
 from .growing import Surface
 from .model import Labels
-from .noise import ROUNDING, SPECK, mixing_error, noise_level, noisy_colours, ripple_level, unlike
+from .noise import ROUNDING, SPECK, mixing_error, noise_level, noisy_colours, ripple_level, unlike, zigzags
 from .options import TraceOptions
 from .posterise import MOST_REGIONS, is_noisy, posterise
 from .sprites import label_sprite
@@ -103,7 +103,7 @@ def _label_grainy(canvas: Canvas, most: int) -> Labels:
     soft = unsteady.find_soft(canvas, ripple_level(canvas, plateaus.core))
     if soft:
         return _label_rest(_know_soft(soft))
-    calmed = without_grain(canvas, unsteady.zigzags(canvas, 3) < GRAIN)
+    calmed = without_grain(canvas, zigzags(canvas, 3) < GRAIN)
     return label_flat_art(*calmed) if calmed else posterise(canvas, most)
 
 

@@ -17,16 +17,12 @@ from .calm import calm
 from .canvas import RIM, Canvas, planes, within
 from .components import mask_areas
 from .growing import FIT, Surface, gradient_surface
-from .noise import REDUCED, ROUNDING, noisy_colours, unlike
+from .noise import REDUCED, ROUNDING, UNSTEADY, noisy_colours, unlike, zigzags
 from .palette import Plateaus, find_plateaus, known_labels
 from .ramps import MANY, find_ramps
-from .sides import window
 from .spans import renumber, spans_of
 from .surfaces import AREA as CLEAN_PIECE
 from .surfaces import extend, separate
-
-UNSTEADY = 0.0015
-"""Least share of zigzags of four steps in a picture with ripples: a stroke with a light and a dark side has three."""
 
 GRAINY = 0.42
 """Share of those of three steps that only a grain makes, which is the same everywhere."""
@@ -36,9 +32,6 @@ RIPPLED, DITHERED = 1.4, 2.0
 
 FINE = 0.6
 """Pixels of a ramp in a scan differ from it by less than this share of the grain, as that was averaged away."""
-
-SOFT = 24.0
-"""Largest range of a channel within 7 x 7 pixels where zigzags are looked for, levels."""
 
 SLOPING = 0.03
 """Smallest share of a picture's area that its ramps have: less is better told with flat colours alone."""
@@ -80,7 +73,6 @@ LUMA = np.array([0.299, 0.587, 0.114], np.float32)
 """Shares of the channels in how bright a pixel is."""
 
 _TURN = 2
-_SAMPLE = 1 << 15
 _ASKED = 1 << 10
 _ENDS = 2, 98
 
@@ -329,20 +321,3 @@ def _clipped(surface: Surface, channels: int, margin: float) -> Surface:
 def _numbers(kept: np.ndarray) -> np.ndarray:
     """Numbers of the ramps that are kept, -1 for the others, and for pixels that belong to none."""
     return np.append(np.where(kept, np.cumsum(kept) - 1, -1), -1).astype(np.int32)
-
-
-def zigzags(canvas: Canvas, count: int) -> float:
-    """Share of the pixels of soft areas where so many steps in a row, 3 or 4, go up and down by turns."""
-    cells = canvas.cells(np.ones(canvas.shape, bool))
-    cells = cells[::max(1, cells.size // _SAMPLE)]
-    around = canvas.colours(cells + np.append(window(canvas.stride, 1, RIM), 0)[:, None])
-    span = (around.max(axis=1) - around.min(axis=1)).max(axis=0)
-    cells = cells[(span > ROUNDING) & (span <= SOFT)]
-    turning = np.zeros(cells.size, bool)
-    for step in (1, canvas.stride):
-        places = (np.arange(count + 1) - count // 2) * step
-        steps = np.diff(canvas.colours(cells + places[:, None]), axis=1)
-        steps[:, ::2] *= -1
-        for sign in (1, -1):
-            turning |= (sign * steps >= _TURN).all(axis=1).any(axis=0)
-    return float(turning.sum() / max(turning.size, 1))

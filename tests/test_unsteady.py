@@ -12,11 +12,11 @@ from PIL import Image
 
 from ddtcore import trace
 from ddtcore.canvas import prepare, unpack
-from ddtcore.noise import ripple_level
+from ddtcore.noise import UNSTEADY, ripple_level, zigzags
 from ddtcore.options import TraceOptions
 from ddtcore.palette import find_plateaus
 from ddtcore.regions import label_pixels
-from ddtcore.unsteady import UNSTEADY, find_soft, without_hue_twins, zigzags
+from ddtcore.unsteady import find_soft, without_hue_twins
 
 PAPER, INK, SKIN = (255, 255, 255, 255), (0, 0, 0, 255), (200, 120, 40, 255)
 
