@@ -15,14 +15,12 @@ import numpy as np
 from .canvas import Canvas, count_keys, planes
 from .components import block_areas
 from .growing import FIT
+from .noise import REDUCED, ROUNDING
 from .palette import choose_colours, find_plateaus
 from .ramps import MANY, no_ramps
 from .spans import Spans, renumber, spans_of
 from .surfaces import separate
 from .unsteady import PIECE, Soft
-
-COLOURS = 256
-"""Most colours of a picture whose colours were reduced."""
 
 STEP = 24.0
 """Largest step from band to band, levels of a channel."""
@@ -61,7 +59,7 @@ def find_banded(canvas: Canvas, flat: np.ndarray) -> Optional[Soft]:
     if not _is_banded(canvas, flat):
         return None
     colours = count_keys(canvas.keys)[0].size
-    if colours > COLOURS:
+    if colours > REDUCED:
         return None
     least = max(BANDS, colours // FEWER)
     slopes, count = _linked(canvas)
@@ -86,14 +84,14 @@ def _is_banded(canvas: Canvas, flat: np.ndarray) -> bool:
     row, col = (np.arange(0, size - 1, every, dtype=np.int32) for size in canvas.shape)
     row, col = row[:, None], col[None]
     cells = canvas.numbers(row, col)
-    if np.unique(canvas.keys[cells]).size > COLOURS:
+    if np.unique(canvas.keys[cells]).size > REDUCED:
         return False
     close = far = hard = 0
     for down, across in ((0, 1), (1, 0)):
         beside = canvas.numbers(row + down, col + across)
         off = np.abs(canvas.colours(cells) - canvas.colours(beside)).max(axis=0)
         both = flat[row, col] & flat[row + down, col + across]
-        close += int(np.count_nonzero(both & (off > 0) & (off <= STEP)))
+        close += int(np.count_nonzero(both & (off > ROUNDING) & (off <= STEP)))
         far += int(np.count_nonzero(off > FAR))
         hard += int(np.count_nonzero(both & (off > FAR)))
     return close > CLOSE * cells.size and hard <= HARD * far

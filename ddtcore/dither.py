@@ -15,12 +15,10 @@ from typing import NamedTuple, Optional, Tuple
 import numpy as np
 
 from .canvas import Canvas, count_keys, summed_keys, unpack, within
+from .noise import REDUCED
 from .palette import plain_colours
 from .parts import in_parts
 from .sides import window
-
-COLOURS = 256
-"""Most colours of a picture whose colours were reduced."""
 
 SHARE = 0.01
 """Smallest share of a picture's area that is dithered."""
@@ -63,7 +61,7 @@ def undithered(canvas: Canvas, core: np.ndarray) -> Optional[Tuple[Canvas, np.nd
         return None
     palette, _ = count_keys(canvas.keys)
     # Where no colour is a mix of others, each pixel is what it says.
-    if palette.size > COLOURS or plain_colours(canvas).size:
+    if palette.size > REDUCED or plain_colours(canvas).size:
         return None
     index = np.searchsorted(palette, canvas.bare(canvas.keys)).astype(np.int16)
     mixed = _mixed_colours(index, palette)
@@ -88,7 +86,7 @@ def _is_dotted(canvas: Canvas, core: np.ndarray) -> bool:
     cells = canvas.cells(~core)
     sample = cells[::max(1, cells.size // _SAMPLE)]
     here = canvas.keys[sample]
-    if cells.size < SHARE * core.size or np.unique(here).size > COLOURS:
+    if cells.size < SHARE * core.size or np.unique(here).size > REDUCED:
         return False
     between = np.zeros(sample.size, bool)
     for step in (1, canvas.stride):

@@ -74,7 +74,7 @@ def test_edges_and_strokes_beside_dots_stay():
     assert np.mean(image[ink, :3].max(axis=-1) < 40) > 0.95
 
 
-@pytest.mark.parametrize("colours", [16, 64, 200])
+@pytest.mark.parametrize("colours", [16, 32, 64])
 def test_ramps_are_smooth_again(colours):
     clean = sky().astype(int)
     spoiled = reduced(sky(), colours)
