@@ -23,33 +23,23 @@ EXPLAINED = 0.5
 GATHERED = 0.82
 """Share of those that are as near to it without the grain as they should be then."""
 
-RIPPLED = 0.58
-"""The same share where there are no more than the ripples of JPEG between edges; photographs have less."""
-
 _SAMPLE = 1 << 14
 
 
-def without_grain(canvas: Canvas, rippled: bool = False) -> Optional[Tuple[Canvas, float]]:
+def without_grain(canvas: Canvas) -> Optional[Tuple[Canvas, float]]:
     """The picture without its grain, and how strong that is, if it is flat art with a grain all over.
 
     Round the colours of flat art pixels gather; in a photograph they lie anywhere between.
 
-    Parameters
-    ----------
-    canvas : Canvas
-    rippled : bool
-        Whether there may be ripples between many edges, but no grain.
-
     Returns
     -------
     Canvas
-        As it came where there are ripples.
     float
-        How far pixels of flat areas were from their colour, levels; 0 for ripples.
+        How far pixels of flat areas were from their colour, levels.
     """
     nowhere = np.zeros(canvas.shape, bool)
-    grain, uneven = noise_level(canvas, find_plateaus(canvas, nowhere).core, no_ramps(canvas.shape))
-    if not uneven:
+    grain, rippled = noise_level(canvas, find_plateaus(canvas, nowhere).core, no_ramps(canvas.shape))
+    if not rippled:
         return None
     even = calm(canvas, grain)
     colours = planes(noisy_colours(even, find_plateaus(even, nowhere), grain / LEFT, grain), canvas.opaque)
@@ -57,10 +47,8 @@ def without_grain(canvas: Canvas, rippled: bool = False) -> Optional[Tuple[Canva
     here = even.colours(cells[::max(1, cells.size // _SAMPLE)])
     off = np.abs(here[:, :, None] - colours[:, None]).max(axis=0).min(axis=1, initial=np.inf)
     explained = np.mean(off <= grain)
-    least = RIPPLED if rippled else GATHERED
-    if explained <= EXPLAINED or np.mean(off <= grain / LEFT) <= least * explained:
-        return None
-    return (canvas, 0.0) if rippled else (even, grain)
+    flat = explained > EXPLAINED and np.mean(off <= grain / LEFT) > GATHERED * explained
+    return (even, grain) if flat else None
 
 
 def calm(canvas: Canvas, noise: Union[float, np.ndarray]) -> Canvas:

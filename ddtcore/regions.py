@@ -38,7 +38,7 @@ from .calm import LEFT, without_grain
 from .canvas import Canvas, mean_colours, planes, prepare, unpack, within
 from .growing import Surface
 from .model import Labels
-from .noise import ROUNDING, SPECK, mixing_error, noise_level, noisy_colours, ripple_level, unlike, zigzags
+from .noise import ROUNDING, SPECK, mixing_error, noise_level, noisy_colours, ripple_level, unlike
 from .options import TraceOptions
 from .posterise import MOST_REGIONS, is_noisy, posterise
 from .sprites import label_sprite
@@ -52,9 +52,6 @@ DITHER = 0.003
 
 QUANTISED = 3.5
 """Error of the mixes on edges from which a picture's colours count as reduced, levels."""
-
-GRAIN = 0.2
-"""Least share of zigzags of three steps in flat art with a grain; ripples of JPEG between many edges make fewer."""
 
 CONTRAST = 48.0
 """A speck that differs by more than this from its surroundings is no ripple, levels."""
@@ -103,7 +100,7 @@ def _label_grainy(canvas: Canvas, most: int) -> Labels:
     soft = unsteady.find_soft(canvas, ripple_level(canvas, plateaus.core))
     if soft:
         return _label_rest(_know_soft(soft))
-    calmed = without_grain(canvas, zigzags(canvas, 3) < GRAIN)
+    calmed = without_grain(canvas)
     return label_flat_art(*calmed) if calmed else posterise(canvas, most)
 
 

@@ -8,7 +8,6 @@ import io
 import numpy as np
 import pytest
 from artwork import CARTOON, box, colours_of, disc, draw, everywhere, palette_of
-from otherart import photograph
 
 from ddtcore.calm import without_grain
 from ddtcore.canvas import prepare, unpack
@@ -175,23 +174,6 @@ def test_photographs_are_posterised():
     assert len(label_pixels(image, TraceOptions(colors=5)).palette) <= 5
 
 
-@pytest.mark.parametrize("quality", [90, 75])
-def test_many_edges_under_ripples_are_flat_art(quality):
-    """So many that hardly two pixels are equal: it takes few colours near which pixels gather."""
-    paints = [(221, 34, 34, 255), (27, 79, 181, 255), (10, 125, 60, 255), (255, 208, 0, 255)]
-    layers = [((255, 255, 255, 255), everywhere)]
-    layers += [(paint, lambda x, y, k=k: ((y + x / 6) % 12 < 6) & (x // 60 == k)) for k, paint in enumerate(paints)]
-    dense = draw(240, 240, layers)
-    spoilt = jpeg(dense, quality)
-    assert is_noisy(prepare(spoilt))
-    canvas, grain = without_grain(prepare(spoilt), True)
-    assert grain == 0 and np.array_equal(unpack(canvas.bare(canvas.keys)), spoilt)
-    labels = label_pixels(spoilt, TraceOptions())
-    assert len(labels.palette) <= 6
-    off = np.abs(labels.palette[labels.index] - dense)[..., :3].max(axis=-1)
-    assert np.mean(off <= 24) > 0.75
-
-
 def test_soft_shades_under_a_grain_are_no_flat_colours():
     y, x = np.mgrid[:160, :200]
     for shade in (x + 20, 200 - y, np.hypot(x - 90, y - 80)):
@@ -199,13 +181,6 @@ def test_soft_shades_under_a_grain_are_no_flat_colours():
         image = np.rint(image).clip(0, 255).astype(np.uint8)
         image[..., 3] = 255
         assert is_noisy(prepare(image)) and without_grain(prepare(image)) is None
-
-
-@pytest.mark.parametrize("quality", [75, 50])
-def test_photographs_under_ripples_are_no_flat_art(quality):
-    for seed in range(2):
-        canvas = prepare(jpeg(photograph(seed=seed), quality))
-        assert is_noisy(canvas) and without_grain(canvas, True) is None
 
 
 def test_few_colours_stay_exact():
