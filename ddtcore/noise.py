@@ -11,7 +11,7 @@ from typing import List, Optional, Tuple
 
 import numpy as np
 
-from .canvas import RIM, Canvas, count_keys, planes, unpack
+from .canvas import RIM, Canvas, count_keys, planes, unpack, within
 from .mixes import segment_distance
 from .palette import MIXED, Plateaus, is_mixed
 from .sides import window
@@ -37,6 +37,13 @@ REDUCED = 64
 SLOPING = 0.1
 """Share of a picture's area that its ramps have if they are no ripples."""
 
+EVEN = 0.25, 0.5
+"""How even in brightness pixels are that are asked for colours nearly like others, as shares of the noise."""
+
+APART = 1.5
+"""How much brighter or darker such colours are at least, as a multiple of that."""
+
+_LUMA = np.array([0.299, 0.587, 0.114], np.float32)
 _LOW = 32
 _HIGH = 48
 _UNEVEN = 2
@@ -46,6 +53,8 @@ _SAMPLE = 1 << 14
 _VOTES = 1 << 16
 _FEW = 13
 _MINOR = 200.0
+_RARE = 1000.0
+_SMALL = 24
 _JUDGED = 500
 _WIDE = 32
 _MANY = 64
@@ -190,6 +199,8 @@ def noisy_colours(canvas: Canvas, plateaus: Plateaus, noise: float, original: fl
     cells = canvas.cells(np.ones(canvas.shape, bool) if skip is None else ~skip)
     cells = cells[::max(1, cells.size // _VOTES)]
     keys, spans = canvas.keys[cells], _spans(canvas, cells)
+    if original == noise and skip is None and canvas.opaque:
+        _add_told_apart(canvas, found, noise)
     for margin in (noise / 2, noise) if original == noise else (noise,):
         flat = spans <= 2 * margin
         crowds: List[float] = []
@@ -199,6 +210,48 @@ def noisy_colours(canvas: Canvas, plateaus: Plateaus, noise: float, original: fl
             crowds.append(margin < noise and np.count_nonzero((spans <= margin) & (off <= margin)) / _MINOR)
         _gather(canvas, keys[flat], spans[flat], found, crowds, margin, noise, original)
     return _clipped(np.array(found, np.uint32), original / 4)
+
+
+def _add_told_apart(canvas: Canvas, found: List[np.uint32], noise: float) -> None:
+    """Add the colours that brightness tells from those found that are nearly like them.
+
+    It is the hue that JPEG moves most: in small areas pixels are hardly ever flat in all channels,
+    but often in brightness, and ripples there are no larger than these pixels differ from each other.
+    """
+    levels = planes(canvas.bare(canvas.keys), True)
+    levels = np.concatenate([levels, np.tensordot(_LUMA, levels, 1)[np.newaxis]])
+    spans = within(levels, 1, np.maximum) - within(levels, 1, np.minimum)
+    smooth = spans.max(axis=0) <= noise
+    for margin in noise * np.array(EVEN):
+        keys, counts = count_keys(canvas.bare(canvas.keys)[smooth & (spans[-1] <= margin)])
+        _gather_told_apart(canvas, keys, counts, found, margin, noise)
+
+
+def _gather_told_apart(canvas: Canvas, keys: np.ndarray, counts: np.ndarray, found: List[np.uint32], margin: float,
+                       noise: float) -> None:
+    """The same for packed colours (N,) of which there are `counts`, and which are flat within a margin."""
+    crowds = [counts[_is_alike(keys, known, margin, noise)].sum() for known in found]
+    left = ~np.any([_is_alike(keys, known, margin, noise) for known in found] or [np.zeros(keys.size, bool)], axis=0)
+    for _ in range(_MANY):
+        if counts[left].sum() < _SMALL:
+            break
+        centre = mode = keys[np.argmax(counts * left)]
+        for _ in range(_SHIFTS):
+            alike = left & _is_alike(keys, centre, margin, noise)
+            centre = _centre(np.repeat(keys[alike], counts[alike]), noise) if alike.any() else centre
+        alike, known = left & _is_alike(keys, centre, margin, noise), np.array(found, np.uint32)
+        near = _apart(canvas, known, centre) <= 2 * noise
+        least = max(_SMALL, (near * crowds).max(initial=0) / _RARE)
+        if counts[alike].sum() >= least and not _is_alike(known, centre, margin, noise).any():
+            found.append(centre)
+            crowds.append(counts[alike].sum())
+        left &= ~alike & (keys != mode)
+
+
+def _is_alike(keys: np.ndarray, key: np.uint32, margin: float, noise: float) -> np.ndarray:
+    """Which packed colours differ from one of them by ripples only, in brightness by few."""
+    off = planes(keys, True) - planes(np.array([key], np.uint32), True)
+    return np.asarray((np.abs(off).max(axis=0) <= 2 * noise) & (np.abs(_LUMA @ off) <= APART * margin))
 
 
 def _gather(canvas: Canvas, keys: np.ndarray, spans: np.ndarray, found: List[np.uint32], crowds: List[float],

@@ -211,3 +211,27 @@ def test_mixes_within_the_noise_that_was_averaged_away_are_no_colours(original, 
     found = noisy_colours(canvas, find_plateaus(canvas, np.zeros(canvas.shape, bool)), 4.8, original)
     assert sorted(int(rgba[0]) for rgba in unpack(found))[::len(found) - 1] == [0, 32]
     assert len(found) == 2 + told
+
+
+@pytest.mark.parametrize("quality", [75, 50])
+def test_brightness_tells_colours_apart_in_narrow_areas(quality):
+    """As in a tiger: two browns on orange, none of them with pixels that are flat in all channels."""
+    browns = [(189, 92, 0, 255), (184, 125, 0, 255)]
+    layers = [((237, 148, 10, 255), everywhere)]
+    for k, brown in enumerate(browns):
+        layers += [((0, 0, 0, 255), lambda x, y, k=k: ((y + x / 9) % 40 < 12) & (x // 150 == k)),
+                   (brown, lambda x, y, k=k: (np.abs((y + x / 9) % 40 - 6) < 4) & (x // 150 == k))]
+    image = jpeg(draw(200, 300, layers), quality)
+    canvas, (noise, _) = prepare(image), level(image)
+    found = unpack(noisy_colours(canvas, find_plateaus(canvas, np.zeros(canvas.shape, bool)), noise, noise))
+    for brown in browns:
+        assert np.abs(found.astype(int) - brown).max(axis=1).min() <= 14
+    assert len(found) <= 4
+
+
+@pytest.mark.parametrize("quality", [90, 75, 50])
+def test_ripples_add_no_colours(clean, quality):
+    canvas, (noise, _) = prepare(jpeg(clean, quality)), level(jpeg(clean, quality))
+    found = unpack(noisy_colours(canvas, find_plateaus(canvas, np.zeros(canvas.shape, bool)), noise, noise))
+    off = np.abs(found[:, None].astype(int) - np.array(sorted(colours_of(CARTOON)))).max(axis=-1)
+    assert (off.min(axis=1) <= 12).all() and len(found) == len(colours_of(CARTOON))
