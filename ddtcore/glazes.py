@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Translucent strokes that follow a ramp round its bends, and along which nothing else does.
+"""Translucent strokes drawn on a ramp, followed round their bends.
 
 A border or a gloss drawn on a ramp mixes one colour, in one share, with whatever lies below.
 Its straight parts are ramps or plateaus, each of another kind; in its bends few pixels are
