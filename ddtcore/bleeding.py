@@ -14,7 +14,7 @@ from typing import Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from .canvas import RIM, Canvas, planes
+from .canvas import RIM, Canvas, planes, within
 from .growing import Surface
 
 LEFT = 0.75
@@ -26,8 +26,14 @@ FOREIGN = 2.5
 SURE = 0.5
 """A mix that is nearer than this to one of its colours is that colour, as a multiple of the noise."""
 
-COLOURS = 16
-"""Most colours that are weighed."""
+COLOURS, SURFACES = 40, 16
+"""Most flat colours and most ramps that are weighed."""
+
+REACH = 8
+"""How far from a square its colours are met, px."""
+
+STROKES = 3
+"""How many squares away the colours are looked for that strokes in one may have, if none nearer does."""
 
 TILE = 32
 """Side of the squares that are looked at together, px."""
@@ -41,6 +47,7 @@ _CAP = 60.0
 _MIXED = 0.005
 _RIM = _REACH + len(_BLED) // 2
 _INNER = slice(_RIM, -_RIM)
+_FEW = 4
 _SAMPLE = 24
 _PART = 128
 
@@ -63,20 +70,27 @@ def without_bleeding(canvas: Canvas, keys: np.ndarray, noise: float, slopes: Opt
         The colours of the ramps.
     """
     colours = planes(keys[:COLOURS], True)
-    paints = [*colours.T, *surfaces[:COLOURS]]
-    tiles, near = _tiles(canvas), _colours_near(canvas, colours, noise)
+    paints = [*colours.T, *surfaces[:SURFACES]]
+    tiles, (near, strange) = _tiles(canvas), _colours_near(canvas, colours, noise)
     if slopes is not None and surfaces:
         near = np.concatenate([near, [_met(slopes == number, _RIM) for number in range(len(paints) - len(near))]])
-    busy = np.argwhere(near.sum(axis=0) > 1)
+        strange[:] = False
+    wide = within(near, STROKES, np.maximum)
+    busy = np.argwhere((near.sum(axis=0) > 1) | strange & (wide.sum(axis=0) > 1))
     if not len(busy):
         return canvas
     some = busy[np.linspace(0, len(busy) - 1, min(len(busy), _SAMPLE)).astype(int)]
-    costs = [_explained(tiles, near, paints, some, bled)[1].sum() for bled in (True, False)]
+    costs = np.array([_explained(tiles, near, paints, some, bled)[1] for bled in (True, False)])
+    # There are no mixes, and no costs, in squares of one colour.
+    bled = bool(np.less(*np.where(np.isfinite(costs), costs, 0).sum(axis=(1, 2, 3))))
     keys = np.pad(canvas.bare(canvas.keys), [(0, -size % TILE) for size in canvas.shape], mode="constant")
     squares = keys.reshape(near.shape[1], TILE, near.shape[2], TILE).swapaxes(1, 2)
     for some in (busy[k:k + _PART] for k in range(0, len(busy), _PART)):
         row, col = some.T
-        mixed, _, off = _explained(tiles, near, paints, some, bool(costs[0] < costs[1]), SURE * noise)
+        mixed, _, off = _explained(tiles, near, paints, some, bled, SURE * noise)
+        # No pixel of thin strokes need have their colour, so it may be met farther away only.
+        more = (off > FOREIGN * noise).sum(axis=(1, 2)) >= _FEW
+        mixed[more], _, off[more] = _explained(tiles, wide, paints, some[more], bled, SURE * noise)
         rgba = np.full((*off.shape, 4), 255, np.uint8)
         kept = np.where((off <= FOREIGN * noise)[:, None], np.rint(mixed), tiles[row, col][..., _INNER, _INNER])
         rgba[..., :3] = np.moveaxis(kept, 1, -1)
@@ -95,11 +109,16 @@ def _tiles(canvas: Canvas) -> np.ndarray:
         values, shape, (TILE * down, TILE * across, channel, down, across), writeable=False)
 
 
-def _colours_near(canvas: Canvas, colours: np.ndarray, noise: float) -> np.ndarray:
-    """Which colours occur in squares or in those beside them, bool (K, rows, columns)."""
+def _colours_near(canvas: Canvas, colours: np.ndarray, noise: float) -> Tuple[np.ndarray, np.ndarray]:
+    """Which colours occur in squares or beside them, bool (K, rows, columns), and where there are others, too."""
     values = planes(canvas.bare(canvas.keys), True)
-    found = [_met((np.abs(values - colour[:, None, None]) <= noise).all(axis=0), TILE) for colour in colours.T]
-    return np.array(found, bool).reshape(-1, *(-(-size // TILE) for size in canvas.shape))
+    near, other = [], np.ones(canvas.shape, bool)
+    for colour in colours.T:
+        some = (np.abs(values - colour[:, None, None]) <= noise).all(axis=0)
+        other &= ~some
+        near.append(_met(some, REACH))
+    strange = _met(other, 0)
+    return np.array(near, bool).reshape(-1, *strange.shape), strange
 
 
 def _met(mask: np.ndarray, reach: int) -> np.ndarray:

@@ -11,6 +11,7 @@ import numpy as np
 from . import margins, residue, sides, strokes
 from .canvas import Canvas, planes
 from .growing import Surface
+from .ridges import Ridges
 
 ROUNDS = 2
 """How often areas that no label explains are looked for."""
@@ -38,7 +39,7 @@ class Filled(NamedTuple):
 
 
 def label_unknown(canvas: Canvas, labels: np.ndarray, keys: np.ndarray, colours: np.ndarray,
-                  surfaces: List[Optional[Surface]], ridges: strokes.Ridges, noise: float, soft: bool) -> Filled:
+                  surfaces: List[Optional[Surface]], ridges: Ridges, noise: float, soft: bool) -> Filled:
     """Label the thin strokes, then all other unknown pixels, in place.
 
     Parameters
@@ -73,7 +74,7 @@ def label_unknown(canvas: Canvas, labels: np.ndarray, keys: np.ndarray, colours:
     return Filled(thin, specks, colours, surfaces)
 
 
-def _fill(canvas: Canvas, labels: np.ndarray, ridges: strokes.Ridges, keys: np.ndarray,
+def _fill(canvas: Canvas, labels: np.ndarray, ridges: Ridges, keys: np.ndarray,
           colours: np.ndarray, noise: float) -> Tuple[np.ndarray, int]:
     """Label the thin strokes, then all other unknown pixels, in place.
 

@@ -23,8 +23,8 @@ from .hairlines import Inks
 from .mixes import length, segment_distance
 from .palette import MANY as MOST
 from .palette import Plateaus
+from .ridges import Ridges
 from .sides import SLOTS, near_samples, window
-from .strokes import Ridges
 
 LEAST = 10.0
 """Smallest distance of a drawn pixel from all mixes of what surrounds it, levels."""

@@ -8,40 +8,21 @@ plateaus, then every pixel in between goes to the nearer of its two sides.
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import List, NamedTuple, Optional, Tuple
+from typing import Tuple
 
 import numpy as np
 
-from . import (
-    areas,
-    banded,
-    bleeding,
-    detached,
-    dither,
-    filling,
-    glazes,
-    merging,
-    overlays,
-    palette,
-    ramps,
-    regained,
-    ringing,
-    scraps,
-    spots,
-    strokes,
-    surfaces,
-    uneven,
-    unsteady,
-)
-from .calm import LEFT, without_grain
-from .canvas import Canvas, mean_colours, planes, prepare, unpack, within
-from .growing import Surface
+from . import areas, dither, filling, merging, overlays, palette, ramps, regained, scraps, spots, uneven, unsteady
+from .calm import without_grain
+from .canvas import Canvas, mean_colours, planes, prepare, unpack
+from .known import Known, know, know_dithered, know_soft
 from .model import Labels
-from .noise import ROUNDING, SPECK, mixing_error, noise_level, noisy_colours, ripple_level, unlike
+from .noise import ROUNDING, mixing_error, ripple_level
 from .options import TraceOptions
 from .posterise import MOST_REGIONS, is_noisy, posterise
+from .ridges import Ridges, find_ridges, unexplained
 from .sprites import label_sprite
+from .strokeinks import new_colours
 from .threshold import label_steps
 
 MANY = 40
@@ -96,10 +77,10 @@ def _label_grainy(canvas: Canvas, most: int) -> Labels:
     plateaus = palette.find_plateaus(canvas, np.zeros(canvas.shape, bool))
     dithered = dither.undithered(canvas, plateaus.core)
     if dithered:
-        return _label_rest(_know_dithered(*dithered))
+        return _label_rest(know_dithered(*dithered))
     soft = unsteady.find_soft(canvas, ripple_level(canvas, plateaus.core))
     if soft:
-        return _label_rest(_know_soft(soft))
+        return _label_rest(know_soft(soft))
     calmed = without_grain(canvas)
     return label_flat_art(*calmed) if calmed else posterise(canvas, most)
 
@@ -109,113 +90,10 @@ def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
 
     `grain` is how strong the grain was that was taken out of it, levels.
     """
-    return _label_rest(_know(canvas, grain))
+    return _label_rest(know(canvas, grain))
 
 
-class _Known(NamedTuple):
-    """What is known of a picture before the pixels between its flat areas and ramps are labelled."""
-
-    canvas: Canvas
-    slopes: np.ndarray
-    found: List[Optional[Surface]]
-    plateaus: palette.Plateaus
-    keys: np.ndarray
-    noise: float             # how far pixels may be from their colour, levels
-    doubt: float             # the same for pixels on edges
-    rippled: bool
-    speck: float             # regions smaller than this are ripples, px²
-    clear: Optional[Canvas]  # the picture as edges are to be told from it, if that is not as it came
-    soft: Optional[unsteady.Soft] = None  # its soft ramps, if they were found under ripples
-
-
-def _know(canvas: Canvas, grain: float) -> _Known:
-    """Find the flat colours and soft ramps of a picture, without its ripples if it has such."""
-    slopes, count = ramps.find_ramps(canvas)
-    found: List[Optional[Surface]] = [None] * count
-    plateaus = palette.find_plateaus(canvas, slopes >= 0)
-    dithered = None if grain else dither.undithered(canvas, plateaus.core)
-    if dithered:
-        return _know_dithered(*dithered)
-    bands = None if grain else banded.find_banded(canvas, plateaus.core | (slopes >= 0))
-    if bands:
-        return _know_soft(bands)
-    noise, rippled = (grain / LEFT, True) if grain else noise_level(canvas, plateaus.core, slopes)
-    soft = unsteady.find_soft(canvas, ripple_level(canvas, plateaus.core)) if rippled and not grain else None
-    if soft:
-        return _know_soft(soft)
-    inks, clear, left, least = np.zeros(0, np.uint32), None, 1.0, SPECK
-    if noise > ROUNDING and not grain and ringing.is_ringing(canvas):
-        (canvas, inks), noise = ringing.without_ringing(canvas), ringing.LEFT
-        left, least = ringing.STROKES, ringing.SPECK
-    plain = palette.plain_colours(canvas)
-    if plain.size:
-        noise, rippled, keys = ROUNDING, False, plain
-    elif noise > ROUNDING:
-        # The ramps are ripples of flat colours.
-        slopes, found = ramps.no_ramps(canvas.shape), []
-        plateaus = palette.find_plateaus(canvas, slopes >= 0)
-        keys = _with_inks(canvas, noisy_colours(canvas, plateaus, noise, grain or noise), inks)
-        if canvas.opaque and not grain and noise > ringing.LEFT:
-            clear = canvas = bleeding.without_bleeding(canvas, keys, noise)
-            left = bleeding.LEFT
-    else:
-        if count and not grain and ringing.overshoots(canvas) > ringing.OVERSHOOTING:
-            known = _know_ringing(canvas)
-            if known:
-                return known
-        slopes, found, plateaus, inks = _surfaces(canvas, slopes, count, plateaus)
-        keys = _with_inks(canvas, palette.choose_colours(canvas, plateaus, bool(found)), inks)
-    return _Known(canvas, slopes, found, plateaus, keys, noise, noise * left, rippled, least, clear)
-
-
-def _know_dithered(canvas: Canvas, dots: np.ndarray) -> _Known:
-    """The same of a picture without its dithering, whose dots were so far from it round each pixel (P,), levels."""
-    soft = unsteady.find_soft(canvas, dither.SLOPING, np.maximum(dither.STRONGEST, dots / dither.LESS))
-    return _know_soft(soft) if soft else _know(canvas, dither.LEFT * LEFT)
-
-
-def _know_soft(soft: unsteady.Soft) -> _Known:
-    """The same of a picture whose soft ramps were found under ripples."""
-    canvas, slopes, found, plateaus, keys, noise, doubt, bled, grainy = soft
-    if bled is not None:
-        keys = unsteady.without_hue_twins(canvas, plateaus, keys, noise)
-    labels = palette.known_labels(canvas, plateaus, keys, noise / unsteady.LEFT if grainy else noise)
-    count, inks = overlays.add_drawn(canvas, slopes, found, keys, labels, doubt)
-    plateaus, keys, clear = palette.find_plateaus(canvas, slopes >= 0), _with_inks(canvas, keys, inks), None
-    if bled is not None:
-        keys = np.append(keys, _stroke_colours(canvas, slopes, plateaus, keys, noise))
-        drawn = canvas.rimmed(within((slopes >= len(found))[np.newaxis], 2, np.maximum)[0], False)
-        clear = bleeding.without_bleeding(bled, keys, noise / unsteady.RIPPLED, slopes, found)
-        clear = canvas = replace(canvas, keys=np.where(drawn, canvas.keys, clear.keys))
-    return _Known(canvas, slopes, [*found, *[None] * (count - len(found))], plateaus, keys,
-                  noise, noise / (unsteady.LEFT if grainy else 2), True, unsteady.SPECK, clear, soft)
-
-
-def _know_ringing(canvas: Canvas) -> Optional[_Known]:
-    """The same of a picture with soft ramps and with ripples beside its edges, unless these ramps are small."""
-    soft = unsteady.ramps_under(canvas, ringing.margins(canvas))
-    if soft is None:
-        return None
-    canvas, inks = ringing.without_ringing(canvas, *soft)
-    slopes, count = ramps.find_ramps(canvas)
-    noise = ringing.LEFT * ringing.STROKES
-    slopes, found, plateaus, more = _surfaces(canvas, slopes, count, palette.find_plateaus(canvas, slopes >= 0), noise)
-    keys = noisy_colours(canvas, plateaus, ringing.LEFT, ringing.LEFT, slopes >= 0)
-    inks = np.array(unlike(canvas, np.append(inks, more), strokes.TWIN), np.uint32)
-    keys = _with_inks(canvas, keys, inks)
-    return _Known(canvas, slopes, found, plateaus, keys, noise, noise, True, ringing.SPECK, None)
-
-
-def _stroke_colours(canvas: Canvas, slopes: np.ndarray, plateaus: palette.Plateaus, keys: np.ndarray,
-                    noise: float) -> np.ndarray:
-    """Packed colours that only thin strokes have."""
-    cells = canvas.cells(~plateaus.core & (slopes < 0))
-    labels = palette.known_labels(canvas, plateaus, keys, noise)
-    ridges = strokes.find_ridges(canvas, cells, noise / 2)
-    return strokes.new_colours(canvas, cells, ridges, planes(keys, canvas.opaque), labels, noise / 2)
-
-
-def _label_rest(known: _Known) -> Labels:
+def _label_rest(known: Known) -> Labels:
     """Label the strokes and edges of a picture, too."""
     canvas, slopes, found, plateaus, keys, noise, doubt, rippled, speck, clear, soft = known
     count = len(found)
@@ -225,7 +103,7 @@ def _label_rest(known: _Known) -> Labels:
     cells = canvas.cells(~plateaus.core & (slopes < 0))
     doubt = max(doubt, mixing_error(canvas, labels, cells))
     rippled |= doubt > QUANTISED
-    ridges = strokes.find_ridges(canvas, cells, doubt)
+    ridges = find_ridges(canvas, cells, doubt)
     beyond = overlays.beyond_ramps(canvas, slopes, found, labels, ridges) if count and noise <= ROUNDING else ridges
     keys, labels = _with_rare(canvas, plateaus, cells, beyond, keys, labels, noise, doubt, count > 0,
                               soft is not None and soft.grainy)
@@ -269,22 +147,15 @@ def _stray(canvas: Canvas, labels: np.ndarray, colour: np.ndarray) -> bool:
     return bool((off > CONTRAST).any())
 
 
-def _with_inks(canvas: Canvas, keys: np.ndarray, inks: np.ndarray) -> np.ndarray:
-    """Flat colours, and the inks of strokes that are none of them."""
-    known, more = planes(keys, canvas.opaque), planes(inks, canvas.opaque)
-    off = np.abs(more[:, :, None] - known[:, None]).max(axis=0)
-    return np.append(keys, inks[(off >= strokes.TWIN).all(axis=1)])
-
-
-def _with_rare(canvas: Canvas, plateaus: palette.Plateaus, cells: np.ndarray, ridges: strokes.Ridges, keys: np.ndarray,
+def _with_rare(canvas: Canvas, plateaus: palette.Plateaus, cells: np.ndarray, ridges: Ridges, keys: np.ndarray,
                labels: np.ndarray, noise: float, doubt: float, soft: bool,
                blurred: bool) -> Tuple[np.ndarray, np.ndarray]:
     """The colours and those that only thin strokes and small spots have, and labels with them.
 
     Where there are `soft` ramps, plateaus are not asked again; strokes of a `blurred` picture are nowhere full.
     """
-    strange = strokes.unexplained(ridges, planes(keys, canvas.opaque), doubt - ROUNDING)
-    more = strokes.new_colours(canvas, cells, strange, planes(keys, canvas.opaque), labels, doubt, blurred)
+    strange = unexplained(ridges, planes(keys, canvas.opaque), doubt - ROUNDING)
+    more = new_colours(canvas, cells, strange, planes(keys, canvas.opaque), labels, doubt, blurred)
     if noise <= ROUNDING and not soft:
         more = np.append(more, palette.unmixed_colours(canvas, plateaus, np.append(keys, more)))
     if more.size:
@@ -293,25 +164,6 @@ def _with_rare(canvas: Canvas, plateaus: palette.Plateaus, cells: np.ndarray, ri
     spot = spots.find_spots(canvas, cells, strange, planes(keys, canvas.opaque), labels, doubt - ROUNDING)
     labels[spot] = keys.size + np.arange(spot.size)
     return np.append(keys, canvas.keys[spot]), labels
-
-
-def _surfaces(canvas: Canvas, slopes: np.ndarray, count: int, plateaus: palette.Plateaus, rippled: float = 0.0
-              ) -> Tuple[np.ndarray, List[Optional[Surface]], palette.Plateaus, np.ndarray]:
-    """Ramps that one gradient each explains, with it, and what is drawn on them; plateaus left, and inks."""
-    if not count:
-        return slopes, [], plateaus, np.zeros(0, np.uint32)
-    slopes, found = surfaces.separate(canvas, slopes, count, ~plateaus.core)
-    plateaus = palette.find_plateaus(canvas, slopes >= 0)
-    keys = overlays.flat_colours(canvas, plateaus)
-    labels = palette.known_labels(canvas, plateaus, keys, ROUNDING)
-    slopes, found = detached.join_detached(canvas, slopes, found, (slopes < 0) & (canvas.bare(labels) < 0))
-    slopes, found, glazed = glazes.follow(canvas, slopes, found, plateaus)
-    if glazed:
-        plateaus = palette.find_plateaus(canvas, slopes >= 0)
-        keys = overlays.flat_colours(canvas, plateaus)
-        labels = palette.known_labels(canvas, plateaus, keys, ROUNDING)
-    count, inks = overlays.add_drawn(canvas, slopes, found, keys, labels, rippled=rippled)
-    return slopes, [*found, *[None] * (count - len(found))], palette.find_plateaus(canvas, slopes >= 0), inks
 
 
 def _merge_ripples(canvas: Canvas, labels: Labels, noise: float, least: float) -> Labels:

@@ -12,9 +12,9 @@ from typing import Tuple
 
 import numpy as np
 
-from . import strokes
 from .canvas import Canvas
 from .mixes import third_share
+from .ridges import Ridges, unexplained
 from .sides import met_around
 
 REACH = 4
@@ -36,7 +36,7 @@ _SIDES = 8
 _TRIES = 8
 
 
-def find_spots(canvas: Canvas, cells: np.ndarray, ridges: strokes.Ridges, colours: np.ndarray, labels: np.ndarray,
+def find_spots(canvas: Canvas, cells: np.ndarray, ridges: Ridges, colours: np.ndarray, labels: np.ndarray,
                doubt: float) -> np.ndarray:
     """Pixels in the colours of spots that nothing else explains, one of each colour.
 
@@ -55,7 +55,7 @@ def find_spots(canvas: Canvas, cells: np.ndarray, ridges: strokes.Ridges, colour
         By how many levels pixels vary more than in a clean picture.
     """
     found = np.zeros(0, cells.dtype)
-    ridges = strokes.unexplained(ridges, colours, doubt)
+    ridges = unexplained(ridges, colours, doubt)
     for _ in range(_TRIES):
         if not (ridges.cells.size and colours.size):
             break

@@ -79,6 +79,27 @@ def test_hue_goes_back_to_ramps_too(quality):
     assert error(unpack(canvas.bare(clear.keys)), clean) < 0.6 * error(spoilt, clean)
 
 
+@pytest.mark.parametrize("quality", [85, 75, 50])
+def test_colours_of_strokes_are_looked_for_farther_away(quality):
+    """There is no black pixel in thin black strokes, but some where they are thick."""
+    def thin(x, y):
+        return (np.abs(y - 60 - x / 9) < 0.4) | (np.abs(y - 110 + x / 12) < 0.4)
+
+    clean = draw(160, 160, [(BLUE, everywhere), (BLACK, thin), (BLACK, lambda x, y: (x < 8) & (y < 8))])
+    spoilt, inner = jpeg(clean, quality), np.s_[40:, 64:]
+    clear = cleared(spoilt, {BLUE, YELLOW, BLACK})
+    assert error(clear[inner], clean[inner]) < 0.85 * error(spoilt[inner], clean[inner])
+
+
+def test_many_colours_keep_their_own():
+    """More than sixteen, a few of them in each part of the picture."""
+    paints = [(40 + 50 * (k % 5), 30 + 60 * (k // 5), 60 + 90 * (k % 2), 255) for k in range(20)]
+    clean = draw(160, 200, [(WHITE, everywhere)] + [
+        (paint, disc(20 + 40 * (k % 5), 20 + 40 * (k // 5), 14)) for k, paint in enumerate(paints)])
+    spoilt = jpeg(clean, 75)
+    assert error(cleared(spoilt, {*paints, WHITE}), clean) < 0.6 * error(spoilt, clean)
+
+
 @pytest.mark.parametrize("top", [0, 1])
 @pytest.mark.parametrize("left", [0, 1])
 def test_the_grid_may_lie_anywhere(top, left):

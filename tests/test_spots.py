@@ -8,11 +8,13 @@ import pytest
 from artwork import CARTOON, disc, draw, everywhere, half_plane, stroke
 from test_ringing import resized
 
-from ddtcore import palette, spots, strokes
+from ddtcore import palette, spots
 from ddtcore.canvas import planes, prepare, unpack
 from ddtcore.options import TraceOptions
 from ddtcore.regions import label_pixels
+from ddtcore.ridges import find_ridges
 from ddtcore.ringing import without_ringing
+from ddtcore.strokeinks import new_colours
 
 WHITE, BLACK, RED, SKIN = (255, 255, 255, 255), (0, 0, 0, 255), (184, 0, 0, 255), (255, 192, 128, 255)
 KNOWN = np.array([WHITE, SKIN, BLACK], np.uint8).view(np.uint32)[:, 0]
@@ -33,8 +35,8 @@ def look(canvas, doubt):
     plateaus = palette.find_plateaus(canvas, np.zeros(canvas.shape, bool))
     labels = palette.known_labels(canvas, plateaus, KNOWN, 2.0)
     cells = canvas.cells(~plateaus.core)
-    ridges = strokes.find_ridges(canvas, cells, 2.0 + doubt)
-    more = strokes.new_colours(canvas, cells, ridges, planes(KNOWN, True), labels, 2.0 + doubt)
+    ridges = find_ridges(canvas, cells, 2.0 + doubt)
+    more = new_colours(canvas, cells, ridges, planes(KNOWN, True), labels, 2.0 + doubt)
     return canvas, cells, ridges, planes(np.append(KNOWN, more), True), labels, doubt
 
 
