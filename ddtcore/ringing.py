@@ -125,13 +125,14 @@ def without_ringing(canvas: Canvas, ramps: Optional[np.ndarray] = None,
         some = np.flatnonzero((high - low).max(axis=0) > LOW)
         cells, low, high = cells[some], low[:, some], high[:, some]
     known = np.append(known, inks)
-    beside = is_mixed(planes(known, canvas.opaque), planes(known, canvas.opaque))
+    bound = is_mixed(planes(known, canvas.opaque), planes(known, canvas.opaque))
     if surfaces:
         # Along a stroke on a ramp the colour may come near any other.
-        beside[:known.size - inks.size] = True
-    reached = _reached(canvas, plateaus.core, cells, known, beside)
+        bound[:known.size - inks.size] = True
+    beside = _beside(canvas, plateaus.core, cells, known)
     best, least = in_parts(
-        lambda part: _settled(canvas, cells[part], low[:, part], high[:, part], known, reached[:, part]), cells.size)
+        lambda part: _settled(canvas, cells[part], low[:, part], high[:, part], known, beside[:, part], bound),
+        cells.size)
     for number, surface in enumerate(surfaces):
         near = within((ramps == number)[np.newaxis], RIM, np.maximum)[0]
         row, col = canvas.places(cells)
@@ -145,29 +146,34 @@ def without_ringing(canvas: Canvas, ramps: Optional[np.ndarray] = None,
     return replace(canvas, keys=np.pad(canvas.bare(keys), RIM, mode="edge").ravel()), inks
 
 
-def _reached(canvas: Canvas, core: np.ndarray, cells: np.ndarray, known: np.ndarray, beside: np.ndarray) -> np.ndarray:
-    """Which pixels (N,) may have which `known` colours, bool (K, N): some of them only `beside` their plateaus.
-
-    Mixes of others elsewhere are what two rows of a thin stroke have.
-    """
-    reached = np.ones((known.size, cells.size), bool)
-    for k in np.flatnonzero(beside):
+def _beside(canvas: Canvas, core: np.ndarray, cells: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """Which pixels (N,) are beside plateaus of which `known` colours, bool (K, N)."""
+    beside = np.zeros((known.size, cells.size), bool)
+    for k, key in enumerate(known):
         flat = canvas.rimmed(core, False).reshape(-1, canvas.stride)
-        flat &= (canvas.keys == known[k]).reshape(flat.shape)
-        reached[k] = within(flat[np.newaxis], RIM, np.maximum).ravel()[cells]
-    return reached
+        flat &= (canvas.keys == key).reshape(flat.shape)
+        beside[k] = within(flat[np.newaxis], RIM, np.maximum).ravel()[cells]
+    return beside
 
 
 def _settled(canvas: Canvas, cells: np.ndarray, low: np.ndarray, high: np.ndarray, known: np.ndarray,
-             reached: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Packed colours of pixels, the nearest `known` one that is `reached` where ringing explains the rest, and that."""
+             beside: np.ndarray, bound: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Packed colours of pixels, the nearest `known` one where ringing explains the rest, and that.
+
+    That are `bound` (K,) only `beside` their plateaus: mixes of others elsewhere are what two rows of a
+    thin stroke have.  What the plateau beside it explains as one straight edge does is no other colour.
+    """
     here = canvas.colours(cells)
     best: np.ndarray = canvas.keys[cells]
     least = np.full(best.size, np.inf, np.float32)
-    for key, colour, some in zip(known, planes(known, canvas.opaque).T, reached):
+    plain = np.zeros(best.size, bool)
+    reach = ROUNDING + BESIDE * (high - low)
+    for key, colour, near, only in zip(known, planes(known, canvas.opaque).T, beside, bound):
         off = _unexplained(here, colour[:, None], low, high)
-        nearer = some & (off < least)
-        best[nearer], least[nearer] = key, off[nearer]
+        ringing = near & (np.abs(here - colour[:, None]) <= reach).all(axis=0)
+        nearer = (near | ~only) & (off < least) & (ringing | ~plain | (off <= ROUNDING))
+        nearer |= ringing & ~plain & np.isfinite(off) & (least > ROUNDING)
+        best[nearer], least[nearer], plain[nearer] = key, off[nearer], ringing[nearer]
     return best, least
 
 
