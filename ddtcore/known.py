@@ -53,8 +53,12 @@ def know(canvas: Canvas, grain: float) -> Known:
     if soft:
         return know_soft(soft)
     inks, clear, left, least = np.zeros(0, np.uint32), None, 1.0, SPECK
-    if noise > ROUNDING and not grain and ringing.is_ringing(canvas):
-        (canvas, inks), noise = ringing.without_ringing(canvas), ringing.LEFT
+    rings = not grain and ringing.overshoots(canvas, plateaus.core | (slopes >= 0))
+    known = _know_ringing(canvas) if rings and count else None
+    if known:
+        return known
+    if (rings or noise > ROUNDING and not grain) and ringing.is_ringing(canvas):
+        (canvas, inks), noise, rippled = ringing.without_ringing(canvas), ringing.LEFT, True
         left, least = ringing.STROKES, ringing.SPECK
     plain = palette.plain_colours(canvas)
     if plain.size:
@@ -68,10 +72,6 @@ def know(canvas: Canvas, grain: float) -> Known:
             clear = canvas = bleeding.without_bleeding(canvas, keys, noise)
             left = bleeding.LEFT
     else:
-        if count and not grain and ringing.overshoots(canvas) > ringing.OVERSHOOTING:
-            known = _know_ringing(canvas)
-            if known:
-                return known
         slopes, found, plateaus, inks = _surfaces(canvas, slopes, count, plateaus)
         keys = _with_inks(canvas, palette.choose_colours(canvas, plateaus, bool(found)), inks)
     return Known(canvas, slopes, found, plateaus, keys, noise, noise * left, rippled, least, clear)

@@ -44,14 +44,17 @@ MARGIN = 0.1
 BESIDE = 0.08
 """How far it goes beyond a flat colour beside one straight edge, as a share of the contrast."""
 
-OVERSHOOTING = 0.065
-"""Share of edges beside which the colour overshoots, from which a picture with soft ramps rings."""
+OVERSHOOTING = 0.1
+"""Share of edges beside which the colour overshoots, from which a picture rings."""
+
+EDGES = 64
+"""Fewest edges that tell."""
 
 LOW = 40
 """Beside edges of less contrast ramps hardly ring, levels."""
 
 _STRONG, _FIRST, _QUIET, _TURN = 48.0, 0.12, 0.16, 0.01
-_SAMPLE = 1 << 14
+_SAMPLE = 1 << 13
 _CORE = 4
 _TWIN = 4.0
 _MOST = 48
@@ -73,22 +76,33 @@ def is_ringing(canvas: Canvas) -> bool:
     return bool(np.mean(calm) < RARE)
 
 
-def overshoots(canvas: Canvas) -> float:
-    """Share of edges beside which the colour turns away from the other side before it goes there."""
-    cells = canvas.cells(~find_plateaus(canvas, np.zeros(canvas.shape, bool)).core)
+def overshoots(canvas: Canvas, core: np.ndarray) -> bool:
+    """Whether beside many edges the colour turns away from the other side before it goes there.
+
+    Channels clipped at 0 or 255 do not tell.  What turns away by more than filters do is drawn.
+
+    Parameters
+    ----------
+    canvas : Canvas
+    core : ndarray of shape (H, W) and dtype bool
+        Pixels of plateaus.
+    """
+    cells = canvas.cells(~core)
     cells = cells[::max(1, cells.size // _SAMPLE)]
     edges = turning = 0
     for step in (1, -1, canvas.stride, -canvas.stride):
         row = canvas.colours(cells + np.arange(-2, 3)[:, None] * step)
-        most = np.abs(row[:, 4] - row[:, 2]).argmax(axis=0)
+        clipped = ((row[:, :2] <= 0) | (row[:, :2] >= 255)).any(axis=1)
+        most = np.where(clipped, -1, np.abs(row[:, 4] - row[:, 2])).argmax(axis=0)
         row = np.take_along_axis(row, most[np.newaxis, np.newaxis], axis=0)[0]
         first, second, third, fourth = np.diff(row, axis=0) * np.sign(row[4] - row[2])
         rise = third + fourth
-        edge = (rise > _STRONG) & (third > _FIRST * rise)
+        edge = (rise > _STRONG) & (third > _FIRST * rise) & ~clipped.all(axis=0)
         edge &= (np.abs(first) < _QUIET * rise) & (np.abs(second) < _QUIET * rise)
         edges += int(np.count_nonzero(edge))
-        turning += int(np.count_nonzero(edge & (first >= 0) & (second < -np.maximum(1, _TURN * rise))))
-    return turning / max(edges, 1)
+        edge &= (first >= 0) & (second < -np.maximum(1, _TURN * rise)) & (second > -MARGIN * rise)
+        turning += int(np.count_nonzero(edge))
+    return edges >= EDGES and turning > OVERSHOOTING * edges
 
 
 def margins(canvas: Canvas) -> np.ndarray:
