@@ -1,31 +1,35 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Pictures that were enlarged to twice or four times their size get their own pixels back.
+"""Pictures that were enlarged get their own pixels back.
 
-Programs enlarge by one of few filters.  Which one it was tells by what is left over when the
-picture is explained as an enlarged one; its inverse then gives the pixels as they were,
-without the blur and the ringing.  Very blurred pictures hold no more than half of their
+Programs enlarge by one of few filters.  Which one it was, and by how much, tells by what is left
+over when the picture is explained as an enlarged one; its inverse then gives the pixels as they
+were, without the blur and the ringing.  Very blurred pictures hold no more than half of their
 pixels could, either: their halves are less blurred, and tell as much.
 """
 
 from __future__ import annotations
 
-from functools import lru_cache
-from typing import Callable, Dict, Optional, Tuple
+from fractions import Fraction
+from typing import Optional, Tuple
 
 import numpy as np
 
 from .canvas import premultiply
 from .flatten import straightened
 from .raster import is_opaque
+from .resampling import FILTERS, Blocks, enlarging, shrinking
 
-LOST = 0.145
-"""Largest share of the steps between pixels that an enlarged picture may leave unexplained."""
+LOST = {Fraction(3): 0.145, Fraction(2): 0.145, Fraction(3, 2): 0.1}
+"""Largest share of the steps between pixels that a picture enlarged by each factor may leave unexplained."""
+
+BENT = 1.1
+"""How much steps from pixel to pixel change at most in enlarged pictures, as a multiple of themselves."""
 
 LEAST = 128
-"""Shortest side of a picture that is halved, px."""
+"""Shortest side of a picture that is taken for an enlarged one, px."""
 
 LARGEST = 5_000_000
-"""Larger pictures are taken as they are: to halve a million pixels takes about a second, px."""
+"""Larger pictures are taken as they are: to shrink a million pixels takes about a second, px."""
 
 ROUNDED = 4
 """How far pixels may be from their colour after what rounding lost is enlarged by the inverse, levels."""
@@ -35,18 +39,14 @@ CLIPPED = 12
 
 _LINES, _FEW_LINES = 96, 24
 _MOST = 4
-_REACH = 3
-_INVERSE = 10
 _ROUNDS = 10
 _STEP = 1.8
-_BLOCK = 16
-_PIECE = 256
 _STRIP = 64
 _RARE = 16
 _SETTLE = 2
 
 
-def original(image: np.ndarray) -> Tuple[np.ndarray, int]:
+def original(image: np.ndarray) -> Tuple[np.ndarray, Tuple[float, float]]:
     """The picture before it was enlarged, as far as that can be told.
 
     Parameters
@@ -56,47 +56,77 @@ def original(image: np.ndarray) -> Tuple[np.ndarray, int]:
     Returns
     -------
     image : ndarray of shape (h, w, 4) and dtype uint8
-    factor : int
-        How many pixels a pixel of it is wide: 1, 2 or 4.
+    times : tuple of float
+        How many pixels a pixel of it is wide and high: 1 if the picture was not enlarged.
     """
-    factor = 1
-    while factor < _MOST and min(image.shape[:2]) >= LEAST and image.shape[0] * image.shape[1] <= LARGEST:
-        name = enlarged_by(image)
-        if name is None:
+    across = down = 1.0
+    while across < _MOST and min(image.shape[:2]) >= LEAST and image.shape[0] * image.shape[1] <= LARGEST:
+        found = enlarged_by(image)
+        if found is None:
             break
-        image, factor = halved(image, name), 2 * factor
-    return image, factor
+        small, whole = shrunk(image, *found), found[0].denominator == 1
+        down *= float(found[0]) if whole else image.shape[0] / small.shape[0]
+        across *= float(found[0]) if whole else image.shape[1] / small.shape[1]
+        image = small
+    return image, (across, down)
 
 
-def enlarged_by(image: np.ndarray) -> Optional[str]:
-    """The name of the filter in `FILTERS` by which a picture was enlarged to twice its size; None if by none."""
-    # A first look tells the many that are nothing like it.
-    if lost_by_halving(image, "lanczos", 1, _FEW_LINES) > 2 * LOST:
+def enlarged_by(image: np.ndarray) -> Optional[Tuple[Fraction, str]]:
+    """The factor by which a picture was enlarged, and the name of the filter in `FILTERS`; None if by none."""
+    if bent(image) > BENT:
         return None
-    lost = {name: lost_by_halving(image, name) for name in FILTERS}
-    # That others might overshoot black and white makes them fit where this one was used.
-    best = min(lost, key=lambda name: lost[name] / (1.5 if name == "linear" else 1))
-    return best if lost[best] < LOST else None
+    found = {factor: _filter_of(image, factor) for factor in (Fraction(3), Fraction(2))}
+    lost, factor, name = min((lost, factor, name) for factor, (lost, name) in found.items())
+    if lost == np.inf:
+        factor = Fraction(3, 2)
+        lost, name = _filter_of(image, factor)
+    return (factor, name) if lost < np.inf else None
 
 
-def halved(image: np.ndarray, name: str) -> np.ndarray:
-    """The picture of half the size from which a filter gives this one."""
-    odd = [(0, size % 2) for size in image.shape[:2]]
-    image = np.pad(image, (*odd, (0, 0)), mode="edge")
+def _filter_of(image: np.ndarray, factor: Fraction) -> Tuple[float, str]:
+    """What is lost by the filter that explains most, and its name; infinite if none explains enough."""
+    # A first look tells the many that are nothing like it.
+    if lost_by_shrinking(image, factor, "lanczos", 1, _FEW_LINES) <= 2 * LOST[factor]:
+        lost = {name: lost_by_shrinking(image, factor, name) for name in FILTERS}
+        # That others might overshoot black and white makes them fit where this one was used.
+        best = min(lost, key=lambda name: lost[name] / (1.5 if name == "linear" else 1))
+        if lost[best] < LOST[factor]:
+            return lost[best], best
+    return np.inf, ""
+
+
+def shrunk(image: np.ndarray, factor: Fraction, name: str) -> np.ndarray:
+    """The smaller picture from which a filter gives this one."""
+    if factor.denominator == 1:
+        rest = [(0, -size % factor.numerator) for size in image.shape[:2]]
+        image = np.pad(image, (*rest, (0, 0)), mode="edge")
     values = _planes(image)
     # Programs enlarge rows first, and round what they get.
-    for last in (False, True):
+    for last, size in enumerate(image.shape[:2]):
+        there, back = _both(size, factor, name)
         values = values.swapaxes(1, 2)
-        values = np.concatenate([_halved(values[:, k:k + _STRIP], name) for k in range(0, values.shape[1], _STRIP)],
-                                axis=1)
+        values = np.concatenate([_shrunk(values[:, k:k + _STRIP], there, back)
+                                 for k in range(0, values.shape[1], _STRIP)], axis=1)
         if not last and len(values) == 3:
             values = np.rint(values)
-    half = np.full((*values.shape[1:], 4), 255, np.float32)
-    half[..., :len(values)] = np.moveaxis(values, 0, -1)
-    clipped = (image == 0) | (image == 255)
-    clipped = clipped[::2] | clipped[1::2]
-    doubtful = clipped[:, ::2] | clipped[:, 1::2]
-    return _settled(straightened(half.reshape(-1, 4)).reshape(half.shape), np.where(doubtful, CLIPPED, ROUNDED))
+    small = np.full((*values.shape[1:], 4), 255, np.float32)
+    small[..., :len(values)] = np.moveaxis(values, 0, -1)
+    doubtful = _met((image == 0) | (image == 255), small.shape[:2])
+    return _settled(straightened(small.reshape(-1, 4)).reshape(small.shape), np.where(doubtful, CLIPPED, ROUNDED))
+
+
+def _met(some: np.ndarray, shape: Tuple[int, int]) -> np.ndarray:
+    """Which pixels of a smaller picture (h, w, 4) have some of those of the larger one (H, W, 4) below them."""
+    for axis in (0, 1):
+        begin = np.arange(shape[axis]) * some.shape[axis] // shape[axis]
+        some = np.logical_or.reduceat(some, begin, axis=axis)
+    return some
+
+
+def _both(large: int, factor: Fraction, name: str) -> Tuple[Blocks, Blocks]:
+    """What makes lines of so many pixels by a factor, and what takes them back."""
+    small = round(large / factor)
+    return enlarging(small, large, name), shrinking(small, large, name)
 
 
 def _settled(image: np.ndarray, margin: np.ndarray) -> np.ndarray:
@@ -120,22 +150,40 @@ def _settled(image: np.ndarray, margin: np.ndarray) -> np.ndarray:
     return colours[index].view(np.uint8).reshape(image.shape)
 
 
-def lost_by_halving(image: np.ndarray, name: str, rounds: int = _ROUNDS, count: int = _LINES) -> float:
-    """What of a picture cannot come from one of half the size, in relation to its steps from pixel to pixel.
+def lost_by_shrinking(image: np.ndarray, factor: Fraction, name: str, rounds: int = _ROUNDS,
+                      count: int = _LINES) -> float:
+    """What of a picture cannot come from a smaller one, in relation to its steps from pixel to pixel.
 
     A sample of rows and columns is looked at; that of the two directions which loses more counts.
     """
-    return max(_lost(lines[np.linspace(0, len(lines) - 1, min(len(lines), count)).astype(int)], name, rounds)
-               for lines in (image, image.swapaxes(0, 1)))
+    return max(_lost(lines, factor, name, rounds) for lines in _sampled(image, count))
 
 
-def _lost(lines: np.ndarray, name: str, rounds: int) -> float:
+def bent(image: np.ndarray) -> float:
+    """How much the steps from pixel to pixel change along some lines of a picture, as a multiple of themselves."""
+    bends = steps = 0.0
+    for lines in _sampled(image, _FEW_LINES):
+        step = np.diff(_planes(lines), axis=2)
+        bends, steps = bends + np.square(np.diff(step, axis=2)).sum(), steps + np.square(step).sum()
+    return bends / max(steps, 1.0)
+
+
+def _sampled(image: np.ndarray, count: int) -> Tuple[np.ndarray, ...]:
+    """Some rows and some columns (n, size, 4) of a picture."""
+    return tuple(lines[np.linspace(0, len(lines) - 1, min(len(lines), count)).astype(int)]
+                 for lines in (image, image.swapaxes(0, 1)))
+
+
+def _lost(lines: np.ndarray, factor: Fraction, name: str, rounds: int) -> float:
     """What some lines of pixels (n, size, 4) would lose."""
-    values = _planes(lines[:, :lines.shape[1] // 2 * 2])
+    if factor.denominator == 1:
+        lines = lines[:, :lines.shape[1] // factor.numerator * factor.numerator]
+    values = _planes(lines)
     steps = np.square(np.diff(values, axis=2)).sum()
     if not steps:
         return 1.0
-    off = np.square(values - _filtered(_halved(values, name, rounds), *_doubling(name)).clip(0, 255)).sum()
+    there, back = _both(values.shape[2], factor, name)
+    off = np.square(values - there(_shrunk(values, there, back, rounds)).clip(0, 255)).sum()
     return float(np.sqrt(off / steps))
 
 
@@ -146,79 +194,19 @@ def _planes(image: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(np.moveaxis(values, -1, 0)).astype(np.float32)
 
 
-def _halved(whole: np.ndarray, name: str, rounds: int = _ROUNDS) -> np.ndarray:
-    """Lines of half the length that give some lines (C, n, size) when they are enlarged.
+def _shrunk(whole: np.ndarray, there: Blocks, back: Blocks, rounds: int = _ROUNDS) -> np.ndarray:
+    """The shorter lines that give some lines (C, n, size) when they are enlarged.
 
     Landweber's iteration.  Where a filter overshoots black or white the excess is lost; there
     it may be anything.
     """
-    double, halve = _doubling(name), _halving(name)
-    half = _filtered(whole, *halve).clip(0, 255)
+    part = back(whole).clip(0, 255)
     black, white = whole <= 0, whole >= 255
-    half[black[..., ::2] | black[..., 1::2]] = 0
-    half[white[..., ::2] | white[..., 1::2]] = 255
+    begin = np.arange(part.shape[2]) * whole.shape[2] // part.shape[2]
+    part[np.logical_or.reduceat(black, begin, axis=2)] = 0
+    part[np.logical_or.reduceat(white, begin, axis=2)] = 255
     least, most = np.where(white, 0, np.float32(-np.inf)), np.where(black, 0, np.float32(np.inf))
     for _ in range(rounds):
-        off = np.clip(whole - _filtered(half, *double), least, most)
-        half = (half + _STEP * _filtered(off, *halve)).clip(0, 255)
-    return half
-
-
-def _filtered(lines: np.ndarray, matrix: np.ndarray, reach: int) -> np.ndarray:
-    """Lines (C, n, size) of twice or half the length: blocks and `reach` more on either side, times a matrix."""
-    step = len(matrix) - 2 * reach
-    size = lines.shape[2]
-    blocks = -(-size // step)
-    framed = np.pad(lines, ((0, 0), (0, 0), (reach, reach + blocks * step - size)), mode="edge")
-    windows = np.lib.stride_tricks.as_strided(framed, (*lines.shape[:2], blocks, len(matrix)),
-                                              (*framed.strides[:2], step * framed.strides[2], framed.strides[2]))
-    flat = windows.reshape(-1, len(matrix))
-    out = np.repeat(flat[:, :1], matrix.shape[1], axis=1)
-    # A flat block stays flat, and most are.
-    busy = np.flatnonzero((flat != flat[:, :1]).any(axis=1))
-    # Products so small that no threads are started for them.
-    pieces = np.resize(busy, (-(-busy.size // _PIECE), _PIECE))
-    out[pieces] = flat[pieces] @ matrix
-    return out.reshape(*lines.shape[:2], -1)[..., :size * matrix.shape[1] // step]
-
-
-@lru_cache(maxsize=None)
-def _doubling(name: str, block: int = _BLOCK) -> Tuple[np.ndarray, int]:
-    """What enlarges a block of pixels, and how many pixels on either side have a say."""
-    place = np.arange(-_REACH, _REACH + 1)
-    matrix = np.zeros((block + 2 * _REACH, 2 * block), np.float32)
-    for side, off in enumerate((0.25, -0.25)):
-        weights = FILTERS[name](np.abs(place + off))
-        for k, weight in enumerate(weights / weights.sum()):
-            matrix[np.arange(block) + k, 2 * np.arange(block) + side] = weight
-    return matrix, _REACH
-
-
-@lru_cache(maxsize=None)
-def _halving(name: str) -> Tuple[np.ndarray, int]:
-    """What gives a block of pixels back, by least squares, and how many pixels on either side have a say."""
-    middle = _REACH + 2 * _INVERSE
-    inverse = np.linalg.pinv(_doubling(name, 4 * _INVERSE)[0])[:, middle]
-    first = 2 * (middle - _REACH) - _INVERSE
-    weights = inverse[first:first + 2 * _INVERSE + 2]
-    matrix = np.zeros((2 * _BLOCK + 2 * _INVERSE, _BLOCK), np.float32)
-    for k in range(_BLOCK):
-        matrix[2 * k:2 * k + len(weights), k] = weights / weights.sum()
-    return matrix, _INVERSE
-
-
-def _cubic(sharpness: float) -> Callable[[np.ndarray], np.ndarray]:
-    """Cubic convolution (Keys 1981) with the slope `-sharpness` at a distance of one pixel."""
-    def weight(place: np.ndarray) -> np.ndarray:
-        near = ((2 - sharpness) * place - (3 - sharpness)) * place ** 2 + 1
-        far = -sharpness * (((place - 5) * place + 8) * place - 4)
-        return np.where(place < 1, near, np.where(place < 2, far, 0))
-    return weight
-
-
-FILTERS: Dict[str, Callable[[np.ndarray], np.ndarray]] = {
-    "linear": lambda place: np.maximum(1 - place, 0),
-    "cubic": _cubic(0.5),
-    "sharp cubic": _cubic(0.75),
-    "lanczos": lambda place: np.where(place < 3, np.sinc(place) * np.sinc(place / 3), 0)}
-"""The usual filters: the weight of a pixel at some distance, px."""
+        off = np.clip(whole - there(part), least, most)
+        part = (part + _STEP * back(off)).clip(0, 255)
+    return part

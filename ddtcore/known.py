@@ -57,7 +57,7 @@ def know(canvas: Canvas, grain: float) -> Known:
     known = _know_ringing(canvas) if rings and count else None
     if known:
         return known
-    if (rings or noise > ROUNDING and not grain) and ringing.is_ringing(canvas):
+    if (rings or (noise > ROUNDING and not grain)) and ringing.is_ringing(canvas):
         (canvas, inks), noise, rippled = ringing.without_ringing(canvas), ringing.LEFT, True
         left, least = ringing.STROKES, ringing.SPECK
     plain = palette.plain_colours(canvas)

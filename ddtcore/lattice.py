@@ -71,7 +71,7 @@ def magnified(planar: PlanarMap, lines: Polylines, curves: Curves,
 
 def magnified_paint(image: np.ndarray, labels: Labels, times: int) -> Tuple[np.ndarray, Labels]:
     """The picture and its gradients at a multiple of their size."""
-    gradients = tuple(scaled(gradient, times) for gradient in labels.gradients or ())
+    gradients = tuple(scaled(gradient, (times, times)) for gradient in labels.gradients or ())
     return _repeated(image, times), replace(labels, gradients=gradients or None)
 
 

@@ -7,6 +7,7 @@ the trace between them.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Callable, Optional, Tuple
 
@@ -83,27 +84,27 @@ def trace(image: np.ndarray, options: Optional[TraceOptions] = None,
         tell(stage, STAGES[stage])
 
     begin("colours")
-    original, size = _original(image, options)
+    original, (across, down) = _original(image, options)
     small, labels, factor, note = label_within_budget(
         original, options, lambda picture, factor: regions.label_pixels(
-            picture, replace(options, speckle=options.speckle / (factor * size) ** 2)))
+            picture, replace(options, speckle=options.speckle / (factor ** 2 * across * down))))
     drawing = _draw(small, labels, options, begin)
-    if factor * size > 1:
-        drawing = enlarge(drawing, factor * size, image.shape[1], image.shape[0])
-        drawing = replace(drawing, scale=-(-drawing.scale // size))
+    if factor * across > 1:
+        drawing = enlarge(drawing, (factor * across, factor * down), image.shape[1], image.shape[0])
+        drawing = replace(drawing, scale=math.ceil(drawing.scale / across))
     if note:
         drawing = replace(drawing, notes=(note, *drawing.notes))
     return replace(drawing, choice=chosen)
 
 
-def _original(image: np.ndarray, options: TraceOptions) -> Tuple[np.ndarray, int]:
-    """What is to be traced in place of a picture, and how many pixels a pixel of it is wide."""
+def _original(image: np.ndarray, options: TraceOptions) -> Tuple[np.ndarray, Tuple[float, float]]:
+    """What is to be traced in place of a picture, and how many pixels a pixel of it is wide and high."""
     if options.regions == "black-white":
-        return ink.stretch(image, options.level), 1
+        return ink.stretch(image, options.level), (1, 1)
     if options.regions == "palette":
         return enlarged.original(image)
     size = sprites.block_size(image) if options.regions == "pixels" else 1
-    return sprites.reduced(image, size), size
+    return sprites.reduced(image, size), (size, size)
 
 
 def _draw(image: np.ndarray, labels: Labels, options: TraceOptions, begin: Callable[[str], None]) -> Drawing:
@@ -135,7 +136,7 @@ def _draw(image: np.ndarray, labels: Labels, options: TraceOptions, begin: Calla
     begin("shapes")
     drawing = stacking.stack(image, painted, planar, lines, curves, options)
     if times > 1:
-        drawing = enlarge(drawing, 1 / times, *labels.index.shape[::-1])
+        drawing = enlarge(drawing, (1 / times, 1 / times), *labels.index.shape[::-1])
     if options.regions == "black-white" and opaque:
         drawing = ink.on_paper(drawing, options)
     drawing = grouping.group(drawing, options)

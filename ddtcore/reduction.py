@@ -9,7 +9,7 @@ as ever.  Colours are averaged premultiplied: what lies under transparent pixels
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Optional
+from typing import Optional, Tuple
 
 import numpy as np
 
@@ -67,14 +67,14 @@ def _block_sums(values: np.ndarray, factor: int) -> np.ndarray:
     return sums
 
 
-def enlarge(drawing: Drawing, factor: float, width: int, height: int) -> Drawing:
+def enlarge(drawing: Drawing, factor: Tuple[float, float], width: int, height: int) -> Drawing:
     """The drawing of a reduced picture at the size of the whole one.
 
     Parameters
     ----------
     drawing : Drawing
-    factor : float
-        By which the picture was reduced.
+    factor : tuple of float
+        By which the picture was reduced across and down.
     width, height : int
         Size of the whole picture; what blocks that it did not fill have added is pushed back
         to its rim.
@@ -83,14 +83,14 @@ def enlarge(drawing: Drawing, factor: float, width: int, height: int) -> Drawing
     -------
     Drawing
     """
-    size = np.array([width, height], float)
+    size, both = np.array([width, height], float), np.array(factor)
     shapes = tuple(
-        replace(shape, loops=tuple(Loop(_within(loop.control * factor, size), loop.degree) for loop in shape.loops),
-                area=shape.area * factor ** 2, gradient=scaled(shape.gradient, factor))
+        replace(shape, loops=tuple(Loop(_within(loop.control * both, size), loop.degree) for loop in shape.loops),
+                area=shape.area * factor[0] * factor[1], gradient=scaled(shape.gradient, factor))
         for shape in drawing.shapes)
     triangles = drawing.triangles
     if triangles is not None:
-        triangles = replace(triangles, points=np.minimum(triangles.points * factor, size))
+        triangles = replace(triangles, points=np.minimum(triangles.points * both, size))
     return replace(drawing, width=width, height=height, shapes=shapes, triangles=triangles)
 
 
@@ -100,10 +100,11 @@ def _within(control: np.ndarray, size: np.ndarray) -> np.ndarray:
     return np.asarray(control - moved[:, [0, 0, 1, 1]])
 
 
-def scaled(gradient: Optional[Gradient], factor: float) -> Optional[Gradient]:
-    """The gradient of a picture that is larger by a factor."""
+def scaled(gradient: Optional[Gradient], factor: Tuple[float, float]) -> Optional[Gradient]:
+    """The gradient of a picture that is larger by a factor across, and by one down."""
     if gradient is None:
         return None
-    start, end = ((x * factor, y * factor) for x, y in (gradient.start, gradient.end))
-    across = gradient.across and (gradient.across[0] * factor, gradient.across[1] * factor)
+    wide, high = factor
+    start, end = ((x * wide, y * high) for x, y in (gradient.start, gradient.end))
+    across = gradient.across and (gradient.across[0] * wide, gradient.across[1] * high)
     return replace(gradient, start=start, end=end, across=across)

@@ -44,7 +44,7 @@ MARGIN = 0.1
 BESIDE = 0.08
 """How far it goes beyond a flat colour beside one straight edge, as a share of the contrast."""
 
-OVERSHOOTING = 0.1
+OVERSHOOTING = 0.09
 """Share of edges beside which the colour overshoots, from which a picture rings."""
 
 EDGES = 64

@@ -40,7 +40,7 @@ PAPER_ROWS = {"Donald Duck": (1740, 85577, 139, 56), "Pumba": (4470, 233179, 129
 ROOMS = {
     "the whole": "pipeline model options choice budget reduction parts",
     "from outside": "__init__ __main__ cli files progress report compare inkscape",
-    "picture in": "raster sprites ink enlarged",
+    "picture in": "raster sprites ink enlarged resampling",
     "pixels to regions": "regions known canvas palette noise calm ringing bleeding mixes sides ridges strokes"
                          " strokeinks narrow spots filling residue margins ramps surfaces growing spans detached"
                          " overlays glazes shades astride hairlines scraps uneven unsteady regained dither banded"

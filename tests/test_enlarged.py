@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 from artwork import CARTOON, disc, draw, everywhere, stroke
 
 from ddtcore.canvas import premultiply
-from ddtcore.enlarged import LEAST, LOST, enlarged_by, halved, lost_by_halving, original
+from ddtcore.enlarged import BENT, LEAST, LOST, bent, enlarged_by, lost_by_shrinking, original, shrunk
 from ddtcore.options import TraceOptions
 from ddtcore.pipeline import trace
 
@@ -28,12 +30,13 @@ def clean():
     return draw(192, 192, [(colour, lambda x, y, c=covers: c(x / 2, y / 2)) for colour, covers in CARTOON])
 
 
+@pytest.mark.parametrize("factor", LOST, ids=str)
 @pytest.mark.parametrize("kind", FILTERS)
-def test_enlarged_pictures_get_their_pixels_back(clean, kind):
-    image = scaled(clean, 2, FILTERS[kind])
-    assert enlarged_by(image) == kind
-    small, factor = original(image)
-    assert factor == 2 and small.shape == clean.shape
+def test_enlarged_pictures_get_their_pixels_back(clean, kind, factor):
+    image = scaled(clean, float(factor), FILTERS[kind])
+    assert enlarged_by(image) == (factor, kind)
+    small, times = original(image)
+    assert times == (factor, factor) and small.shape == clean.shape
     off = np.abs(small.astype(int) - clean).max(axis=-1)
     assert np.mean(off > 2) < 0.01 and off.max() <= 24
 
@@ -58,34 +61,53 @@ def test_what_is_transparent_is_enlarged_too(clean):
     image = clean.copy()
     image[(clean == 255).all(axis=-1)] = 0
     # Pillow enlarges premultiplied colours.
-    small, factor = original(np.array(Image.fromarray(image).resize((384, 384), Image.BICUBIC)))
+    small, times = original(np.array(Image.fromarray(image).resize((384, 384), Image.BICUBIC)))
     off = np.abs(premultiply(small).astype(int) - premultiply(image))
-    assert factor == 2 and np.mean(off.max(axis=-1) > 3) < 0.04
+    assert times == (2, 2) and np.mean(off.max(axis=-1) > 3) < 0.04
 
 
 def test_pictures_enlarged_twice(clean):
-    small, factor = original(scaled(scaled(clean, 2), 2))
-    assert factor == 4 and small.shape == clean.shape
+    small, times = original(scaled(scaled(clean, 2), 2))
+    assert times == (4, 4) and small.shape == clean.shape
 
 
 @pytest.mark.parametrize("spoil", [
-    lambda image: image, lambda image: scaled(image, 0.7), lambda image: scaled(image, 1.5),
+    lambda image: image, lambda image: scaled(image, 0.7), lambda image: scaled(image, 1.2),
     lambda image: np.repeat(np.repeat(image, 2, axis=0), 2, axis=1),
     lambda image: np.array(Image.fromarray(image).filter(ImageFilter.GaussianBlur(0.7)))],
-    ids=["clean", "reduced", "by half", "in squares", "blurred"])
+    ids=["clean", "reduced", "by a fifth", "in squares", "blurred"])
 def test_others_are_left_alone(clean, spoil):
     image = spoil(clean)
-    small, factor = original(image)
-    assert factor == 1 and small is image
-    assert all(lost_by_halving(image, name) > LOST for name in FILTERS)
+    small, times = original(image)
+    assert times == (1, 1) and small is image
+    assert all(lost_by_shrinking(image, Fraction(2), name) > LOST[Fraction(2)] for name in FILTERS)
+
+
+def test_steps_change_less_in_enlarged_pictures(clean):
+    assert bent(clean) > 1.1 * BENT
+    for kind in FILTERS.values():
+        assert bent(scaled(clean, 3)) < bent(scaled(clean, 2, kind)) < bent(scaled(clean, 1.5, kind)) < 0.9 * BENT
+
+
+def test_sizes_that_are_no_multiples(clean):
+    image = clean[:181, :187]
+    large = scaled(image, 1.5)
+    assert large.shape == (272, 280, 4)
+    small, (across, down) = original(large)
+    assert small.shape == image.shape and (across, down) == (280 / 187, 272 / 181)
+    off = np.abs(small.astype(int) - image).max(axis=-1)
+    assert np.mean(off > 2) < 0.01 and off.max() <= 24
+    drawing = trace(large, TraceOptions())
+    corners = np.concatenate([loop.control for shape in drawing.shapes for loop in shape.loops]).reshape(-1, 2)
+    assert np.abs(corners.max(axis=0) - (280, 272)).max() < 1e-9
 
 
 def test_odd_sizes_and_edges(clean):
     for height, width in ((7, 9), (1, 1), (2, 5)):
-        assert halved(clean[:height, :width], "cubic").shape == (-(-height // 2), -(-width // 2), 4)
+        assert shrunk(clean[:height, :width], Fraction(2), "cubic").shape == (-(-height // 2), -(-width // 2), 4)
     flat = np.full((2 * LEAST, 2 * LEAST, 4), 77, np.uint8)
-    assert original(flat)[1] == 1
-    assert (halved(flat, "lanczos") == 77).all()
+    assert original(flat)[1] == (1, 1)
+    assert (shrunk(flat, Fraction(2), "lanczos") == 77).all()
 
 
 def test_their_drawing_has_the_size_of_the_picture(clean):
@@ -99,6 +121,6 @@ def test_their_drawing_has_the_size_of_the_picture(clean):
 
 def test_very_large_pictures_are_taken_as_they_are(clean, monkeypatch):
     image = scaled(clean, 2, Image.LANCZOS)
-    assert original(image)[1] == 2
+    assert original(image)[1] == (2, 2)
     monkeypatch.setattr("ddtcore.enlarged.LARGEST", image.shape[0] * image.shape[1] - 1)
     assert original(image)[0] is image

@@ -73,7 +73,7 @@ def test_everything_in_a_drawing_grows():
     radial = Gradient("radial", (1, 1), (2, 1), ((0.0, (1, 2, 3), 1.0), (1.0, (4, 5, 6), 0.5)), (1, 3))
     shapes = (Shape("a", (1, 2, 3), 1.0, (Loop(control, np.full(2, 3)),), 2.5, radial),
               Shape("b", (1, 2, 3), 0.5, (), 1.0))
-    grown = enlarge(Drawing(3, 2, shapes, notes=("so",)), 10, 28, 20)
+    grown = enlarge(Drawing(3, 2, shapes, notes=("so",)), (10, 10), 28, 20)
     assert (grown.width, grown.height, grown.notes) == (28, 20, ("so",))
     loop = grown.shapes[0].loops[0]
     assert loop.control.tolist() == [[[0, 0], [10, 0], [18, 0], [28, 10]], [[28, 10], [18, 20], [10, 20], [0, 0]]]
@@ -87,19 +87,19 @@ def test_handles_beyond_the_picture_stay():
     """A curve that lies within the picture keeps its form wherever its control points are."""
     control = np.array([[[5, 1], [10, 1], [10, 9], [5, 9]], [[5, 9], [5, 6], [5, 3], [5, 1]]], float)
     shape = Shape("a", (1, 2, 3), 1.0, (Loop(control, np.full(2, 3)),), 30.0)
-    assert (enlarge(Drawing(9, 10, (shape,)), 2, 18, 20).shapes[0].loops[0].control == 2 * control).all()
+    assert (enlarge(Drawing(9, 10, (shape,)), (2, 2), 18, 20).shapes[0].loops[0].control == 2 * control).all()
 
 
 def test_meshes_grow():
     points = np.array([[[0, 0], [2, 0], [0, 2]]], float)
     mesh = Triangles(points, np.zeros((1, 3), np.uint8), np.ones(1), np.zeros(1, bool), True)
-    assert enlarge(Drawing(2, 2, triangles=mesh), 4, 8, 7).triangles.points.tolist() == [[[0, 0], [8, 0], [0, 7]]]
+    assert enlarge(Drawing(2, 2, triangles=mesh), (4, 4), 8, 7).triangles.points.tolist() == [[[0, 0], [8, 0], [0, 7]]]
 
 
 def test_the_drawing_of_a_reduced_picture_lies_on_the_picture():
     parts = [disc((60.3, 52.2), 40), star((141.2, 60.4), 44, 20, 5, 12)]
     image = picture(199, 121, parts, (WHITE, BLACK, RED)).image
-    drawing = enlarge(trace(reduce(image, 2)), 2, 199, 121)
+    drawing = enlarge(trace(reduce(image, 2)), (2, 2), 199, 121)
     back = render(drawing, 1, page="white")[..., :3].astype(float)
     assert back.shape == (121, 199, 3)
     assert np.abs(shift(image[..., :3].astype(float), back)).max() < 0.05
