@@ -81,7 +81,7 @@ def merge_twins(labels: Labels, colours: np.ndarray) -> Labels:
     near &= ~(ramp[:, None] | ramp)
     if np.count_nonzero(near) <= count:
         return labels
-    one, other = _borders(labels.index)
+    one, other = borders(labels.index)
     near &= np.bincount(one * count + other, minlength=count * count).reshape(count, count) >= MEETING
     into = np.arange(count, dtype=labels.index.dtype)
     free = np.ones(count, bool)
@@ -155,7 +155,7 @@ def merge_specks(labels: Labels, area: float,
     return drop_unused(replace(labels, index=index, thin=labels.thin & (index == labels.index)))
 
 
-def _borders(region: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+def borders(region: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """Regions on both sides of each pixel edge between two of them, seen from either side, int64."""
     def found(rows: slice) -> Tuple[np.ndarray, np.ndarray]:
         some, pairs = region[rows.start:rows.stop + 1], []
@@ -172,14 +172,14 @@ def _borders(region: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
 
 def _inside_one(region: np.ndarray) -> np.ndarray:
     """Which regions border on one other only, bool (R,)."""
-    one, other = _borders(region)
+    one, other = borders(region)
     count = int(region.max()) + 1
     return np.asarray(np.bincount(np.unique(one * count + other) // count, minlength=count) == 1)
 
 
 def _best_neighbours(region: np.ndarray, size: np.ndarray, area: float) -> np.ndarray:
     """Per small region the larger neighbour with the longest shared border, chains followed, or itself."""
-    small, other = _borders(region)
+    small, other = borders(region)
     rank = np.empty(size.size, np.int64)
     rank[np.argsort(size, kind="stable")] = np.arange(size.size)
     use = (size[small] < area) & (rank[other] > rank[small])

@@ -47,6 +47,8 @@ class Labels:
     clear : ndarray of shape (H, W, 4) and dtype uint8, optional
         The picture as it was before its edges were blurred, as far as it was found out.
         None: as it is.
+    steady : bool
+        Whether there are no ripples, which decide at random what pixels on edges belong to.
     """
 
     index: np.ndarray
@@ -55,6 +57,7 @@ class Labels:
     ramp: Optional[np.ndarray] = None
     gradients: Optional[Tuple[Optional[Gradient], ...]] = None
     clear: Optional[np.ndarray] = None
+    steady: bool = True
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,7 @@ from . import (
     position,
     recolour,
     regions,
+    splinters,
     sprites,
     stacking,
     triangulation,
@@ -121,6 +122,11 @@ def _draw(image: np.ndarray, labels: Labels, options: TraceOptions, begin: Calla
         return replace(border.draw_mesh(image, labels, mesh, options), notes=notes)
     begin("outlines")
     planar, times = outline.link_outlines(mesh, labels), 1
+    whole = labels if crisp else splinters.join_splinters(labels, planar)
+    if whole is not labels:
+        labels, painted = whole, replace(painted, index=whole.index, thin=whole.thin)
+        mesh = triangulate(even, labels, options)
+        planar = outline.link_outlines(mesh, labels)
     begin("positions")
     if crisp:
         times = lattice.parts(planar.pixel_faces.shape)
