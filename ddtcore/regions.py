@@ -130,7 +130,7 @@ def _label_rest(known: Known) -> Labels:
     del labels
     result = Labels(index=index, palette=colours, thin=thin, ramp=np.arange(len(colours)) >= keys.size,
                     gradients=tuple(surface and surface.gradient for surface in found),
-                    clear=None if clear is None else unpack(clear.bare(clear.keys)), steady=not rippled)
+                    clear=None if clear is None else unpack(clear.bare(clear.keys)), speck=speck if rippled else 0.0)
     if soft is not None:
         result = regained.regain_ramps(soft.canvas, result, found, soft.canvas.bare(soft.doubt), noise)
     result = merging.merge_twins(result, canvas.mixing(result.palette))

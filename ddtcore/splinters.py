@@ -16,8 +16,8 @@ import numpy as np
 from .merging import borders
 from .model import Labels, PlanarMap
 
-AREA = 12
-"""Faces with fewer pixels than this may be splinters, px²."""
+SHARE = 0.5
+"""Faces with less than this share of what counts as a speck may be splinters."""
 
 
 def join_splinters(labels: Labels, planar: PlanarMap) -> Labels:
@@ -29,8 +29,8 @@ def join_splinters(labels: Labels, planar: PlanarMap) -> Labels:
         The same where there are no splinters.
     """
     face = planar.pixel_faces
-    small = (planar.face_areas < AREA) & (planar.face_areas > 0)
-    if labels.steady or not small.any():
+    small = (planar.face_areas < SHARE * labels.speck) & (planar.face_areas > 0)
+    if not small.any():
         return labels
     cut = _cut_off(face, labels.index, small)
     one, other = borders(face)

@@ -16,17 +16,20 @@ from ddtcore import load_image, trace
 from ddtcore.model import Labels
 from ddtcore.options import TraceOptions
 from ddtcore.outline import link_outlines
-from ddtcore.splinters import AREA, join_splinters
+from ddtcore.splinters import SHARE, join_splinters
 from ddtcore.triangulation import triangulate
+
+SPECK = 24.0
+AREA = int(SHARE * SPECK)
 
 CAUGHT = ["0000001", "0000011", "0000101", "0000111", "0001111", "0011111", "0111111"]
 """A pixel of the left region among those of a stroke: both are connected over the corner between them."""
 
 
-def labelled(rows, thin=1, steady=False):
+def labelled(rows, thin=1, speck=SPECK):
     """Labels from rows of digits; those of one of them are thin."""
     index = np.array([list(map(int, row)) for row in rows], np.int32)
-    return Labels(index, np.zeros((index.max() + 1, 4)), index == thin, steady=steady)
+    return Labels(index, np.zeros((index.max() + 1, 4)), index == thin, speck=speck)
 
 
 def mapped(labels, image=None):
@@ -44,7 +47,7 @@ def test_a_pixel_caught_by_a_stroke_joins_it():
 
 
 def test_without_ripples_labels_stay():
-    labels = labelled(CAUGHT, steady=True)
+    labels = labelled(CAUGHT, speck=0.0)
     assert join_splinters(labels, mapped(labels)) is labels
 
 
@@ -58,7 +61,7 @@ def test_larger_pieces_stay(area, stays):
     index = np.ones((AREA + 8, 8), np.int32)
     index[:4, :4] = 0
     index[4:4 + area, 4] = 0
-    labels = Labels(index, np.zeros((2, 4)), index == 1, steady=False)
+    labels = Labels(index, np.zeros((2, 4)), index == 1, speck=SPECK)
     assert np.array_equal(join_splinters(labels, mapped(labels)).index, index) == stays
 
 
@@ -67,7 +70,7 @@ def test_only_small_faces_change_and_join_a_large_one_beside_them(seed, count):
     random = np.random.RandomState(seed)
     index = np.repeat(random.randint(0, count, (9, 4)), 3, axis=1).astype(np.int32)
     index[random.rand(*index.shape) < 0.2] = 0
-    labels = Labels(index, np.zeros((count, 4)), random.rand(*index.shape) < 0.3, steady=False)
+    labels = Labels(index, np.zeros((count, 4)), random.rand(*index.shape) < 0.3, speck=SPECK)
     planar = mapped(labels, grey(random.randint(0, 256, index.shape)))
     joined = join_splinters(labels, planar)
     area = planar.face_areas[planar.pixel_faces]
