@@ -89,7 +89,6 @@ def know_soft(soft: unsteady.Soft) -> Known:
     if bled is not None:
         keys = unsteady.without_hue_twins(canvas, plateaus, keys, noise)
     labels = palette.known_labels(canvas, plateaus, keys, noise / unsteady.LEFT if grainy else noise)
-    ramps.absorb_pieces(canvas, labels, slopes, ramps.PIECE, max(ramps.SOFT, 2 * noise))
     count, inks = overlays.add_drawn(canvas, slopes, found, keys, labels, doubt)
     plateaus, keys, clear = palette.find_plateaus(canvas, slopes >= 0), _with_inks(canvas, keys, inks), None
     if bled is not None:
