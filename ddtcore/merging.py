@@ -155,6 +155,35 @@ def merge_specks(labels: Labels, area: float,
     return drop_unused(replace(labels, index=index, thin=labels.thin & (index == labels.index)))
 
 
+def merge_like_pieces(labels: Labels, colours: np.ndarray, area: float, margin: float) -> Labels:
+    """Give small connected regions the label of a larger neighbour that has nearly their colour, if there is one.
+
+    Parameters
+    ----------
+    labels : Labels
+    colours : ndarray of shape (C, K) and dtype float32
+        The palette, premultiplied.
+    area : float
+        Regions with fewer px² are small.
+    margin : float
+        How far apart colours may be that are nearly the same, levels.
+    """
+    region = label_components(labels.index, 8)
+    size = np.bincount(region.ravel())
+    first = np.zeros(size.size, labels.index.dtype)
+    first[region.ravel()] = labels.index.ravel()
+    flat = ~labels.ramp[first] if labels.ramp is not None else np.ones(size.size, bool)
+    small, other = borders(region)
+    some = (size[small] < area) & (size[other] >= area) & flat[small] & flat[other]
+    small, other = small[some], other[some]
+    like = np.abs(colours[:, first[small]] - colours[:, first[other]]).max(axis=0) <= margin
+    edge, length = np.unique(small[like] * size.size + other[like], return_counts=True)
+    small, other = np.divmod(edge[np.argsort(length, kind="stable")], size.size)
+    first[small] = first[other]
+    index = first[region]
+    return drop_unused(replace(labels, index=index, thin=labels.thin & (index == labels.index)))
+
+
 def borders(region: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """Regions on both sides of each pixel edge between two of them, seen from either side, int64."""
     def found(rows: slice) -> Tuple[np.ndarray, np.ndarray]:
