@@ -88,6 +88,9 @@ def trace(image: np.ndarray, options: Optional[TraceOptions] = None,
     small, labels, factor, note = label_within_budget(
         original, options, lambda picture, factor: regions.label_pixels(
             picture, replace(options, speckle=options.speckle / (factor * size) ** 2)))
+    if size > 1 and options.regions == "palette":
+        # What an enlargement lost is not found again everywhere.
+        labels = replace(labels, speck=max(labels.speck, enlarged.SPECK))
     drawing = _draw(small, labels, options, begin)
     if factor * size > 1:
         drawing = enlarge(drawing, factor * size, image.shape[1], image.shape[0])

@@ -100,3 +100,15 @@ def test_splinters_of_a_jpeg_are_no_paths(monkeypatch):
     paths = len(trace(image, TraceOptions()).shapes)
     monkeypatch.setattr("ddtcore.splinters.join_splinters", lambda labels, planar: labels)
     assert paths < len(trace(image, TraceOptions()).shapes)
+
+
+@pytest.mark.parametrize("factor, some", [(1, False), (2, True)])
+def test_enlarged_pictures_may_have_splinters(monkeypatch, factor, some):
+    y, x = np.mgrid[:140, :140]
+    art = np.where(np.hypot(x - 70, y - 60)[..., None] < 45.5, (30, 90, 200), (255, 255, 255)).astype(np.uint8)
+    art = Image.fromarray(art).resize((70, 70), Image.BOX)
+    art = art.resize((70 * factor, 70 * factor), Image.BILINEAR).convert("RGBA")
+    asked = []
+    monkeypatch.setattr("ddtcore.splinters.join_splinters", lambda labels, planar: asked.append(labels.speck) or labels)
+    trace(np.asarray(art), TraceOptions())
+    assert [speck > 0 for speck in asked] == [some]
