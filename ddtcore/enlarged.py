@@ -37,6 +37,9 @@ ROUNDED = 4
 CLIPPED = 12
 """As `ROUNDED`, where values beyond black or white were cut off."""
 
+SPECK = 6.0
+"""Regions smaller than this may be what rounding lost, px²."""
+
 _LINES, _FEW_LINES = 96, 24
 _MOST = 4
 _ROUNDS = 10

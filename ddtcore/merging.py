@@ -81,7 +81,7 @@ def merge_twins(labels: Labels, colours: np.ndarray) -> Labels:
     near &= ~(ramp[:, None] | ramp)
     if np.count_nonzero(near) <= count:
         return labels
-    one, other = _borders(labels.index)
+    one, other = borders(labels.index)
     near &= np.bincount(one * count + other, minlength=count * count).reshape(count, count) >= MEETING
     into = np.arange(count, dtype=labels.index.dtype)
     free = np.ones(count, bool)
@@ -155,7 +155,36 @@ def merge_specks(labels: Labels, area: float,
     return drop_unused(replace(labels, index=index, thin=labels.thin & (index == labels.index)))
 
 
-def _borders(region: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+def merge_like_pieces(labels: Labels, colours: np.ndarray, area: float, margin: float) -> Labels:
+    """Give small connected regions the label of a larger neighbour that has nearly their colour, if there is one.
+
+    Parameters
+    ----------
+    labels : Labels
+    colours : ndarray of shape (C, K) and dtype float32
+        The palette, premultiplied.
+    area : float
+        Regions with fewer px² are small.
+    margin : float
+        How far apart colours may be that are nearly the same, levels.
+    """
+    region = label_components(labels.index, 8)
+    size = np.bincount(region.ravel())
+    first = np.zeros(size.size, labels.index.dtype)
+    first[region.ravel()] = labels.index.ravel()
+    flat = ~labels.ramp[first] if labels.ramp is not None else np.ones(size.size, bool)
+    small, other = borders(region)
+    some = (size[small] < area) & (size[other] >= area) & flat[small] & flat[other]
+    small, other = small[some], other[some]
+    like = np.abs(colours[:, first[small]] - colours[:, first[other]]).max(axis=0) <= margin
+    edge, length = np.unique(small[like] * size.size + other[like], return_counts=True)
+    small, other = np.divmod(edge[np.argsort(length, kind="stable")], size.size)
+    first[small] = first[other]
+    index = first[region]
+    return drop_unused(replace(labels, index=index, thin=labels.thin & (index == labels.index)))
+
+
+def borders(region: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """Regions on both sides of each pixel edge between two of them, seen from either side, int64."""
     def found(rows: slice) -> Tuple[np.ndarray, np.ndarray]:
         some, pairs = region[rows.start:rows.stop + 1], []
@@ -172,14 +201,14 @@ def _borders(region: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
 
 def _inside_one(region: np.ndarray) -> np.ndarray:
     """Which regions border on one other only, bool (R,)."""
-    one, other = _borders(region)
+    one, other = borders(region)
     count = int(region.max()) + 1
     return np.asarray(np.bincount(np.unique(one * count + other) // count, minlength=count) == 1)
 
 
 def _best_neighbours(region: np.ndarray, size: np.ndarray, area: float) -> np.ndarray:
     """Per small region the larger neighbour with the longest shared border, chains followed, or itself."""
-    small, other = _borders(region)
+    small, other = borders(region)
     rank = np.empty(size.size, np.int64)
     rank[np.argsort(size, kind="stable")] = np.arange(size.size)
     use = (size[small] < area) & (rank[other] > rank[small])

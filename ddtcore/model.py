@@ -47,6 +47,8 @@ class Labels:
     clear : ndarray of shape (H, W, 4) and dtype uint8, optional
         The picture as it was before its edges were blurred, as far as it was found out.
         None: as it is.
+    speck : float
+        Regions smaller than this are ripples, px²; 0 in a picture without.
     """
 
     index: np.ndarray
@@ -55,6 +57,7 @@ class Labels:
     ramp: Optional[np.ndarray] = None
     gradients: Optional[Tuple[Optional[Gradient], ...]] = None
     clear: Optional[np.ndarray] = None
+    speck: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -38,6 +38,9 @@ LIKE = 14
 ELBOWS = 3
 """Fewest corners of three equal pixels that make a colour without plateaus real."""
 
+CORNERED = 0.1
+"""Smallest share of such corners among the pixels of one that is a mix: of many equal mixes some meet by chance."""
+
 SOUND = 1 / 8
 """Blocks that no thin stroke explains, for each pixel of a colour's plateaus, from which the colour is real."""
 
@@ -213,9 +216,16 @@ def _elbow_colours(canvas: Canvas, plateaus: Plateaus, chosen: np.ndarray) -> np
     elbow &= (here == key[cells + down]) | (here == key[cells - down])
     elbow[elbow] = _interior(canvas, cells[elbow])
     keys, counts = np.unique(here[elbow], return_counts=True)
-    keys = keys[(counts >= ELBOWS) & ~np.isin(keys, plateaus.keys)]
-    off = np.abs(planes(keys, canvas.opaque)[:, :, None] - planes(chosen, canvas.opaque)[:, None]).max(axis=0)
-    return np.asarray(keys[~(off < LIKE).any(axis=1)])
+    several = (counts >= ELBOWS) & ~np.isin(keys, plateaus.keys)
+    keys, counts = keys[several], counts[several]
+    colours, known = planes(keys, canvas.opaque), planes(chosen, canvas.opaque)
+    unlike = ~(np.abs(colours[:, :, None] - known[:, None]).max(axis=0) < LIKE).any(axis=1)
+    keys, counts = keys[unlike], counts[unlike]
+    mixed = is_mixed(colours[:, unlike], known)
+    if mixed.any():
+        _, total = count_keys(here[np.isin(here, keys[mixed])])
+        mixed[mixed] = counts[mixed] < CORNERED * total
+    return np.asarray(keys[~mixed])
 
 
 def _interior(canvas: Canvas, cells: np.ndarray) -> np.ndarray:

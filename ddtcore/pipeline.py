@@ -28,6 +28,7 @@ from . import (
     position,
     recolour,
     regions,
+    splinters,
     sprites,
     stacking,
     triangulation,
@@ -88,6 +89,9 @@ def trace(image: np.ndarray, options: Optional[TraceOptions] = None,
     small, labels, factor, note = label_within_budget(
         original, options, lambda picture, factor: regions.label_pixels(
             picture, replace(options, speckle=options.speckle / (factor ** 2 * across * down))))
+    if across > 1 and options.regions == "palette":
+        # What an enlargement lost is not found again everywhere.
+        labels = replace(labels, speck=max(labels.speck, enlarged.SPECK))
     drawing = _draw(small, labels, options, begin)
     if factor * across > 1:
         drawing = enlarge(drawing, (factor * across, factor * down), image.shape[1], image.shape[0])
@@ -122,6 +126,11 @@ def _draw(image: np.ndarray, labels: Labels, options: TraceOptions, begin: Calla
         return replace(border.draw_mesh(image, labels, mesh, options), notes=notes)
     begin("outlines")
     planar, times = outline.link_outlines(mesh, labels), 1
+    whole = labels if crisp else splinters.join_splinters(labels, planar)
+    if whole is not labels:
+        labels, painted = whole, replace(painted, index=whole.index, thin=whole.thin)
+        mesh = triangulate(even, labels, options)
+        planar = outline.link_outlines(mesh, labels)
     begin("positions")
     if crisp:
         times = lattice.parts(planar.pixel_faces.shape)

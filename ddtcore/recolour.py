@@ -116,7 +116,7 @@ def part_background(labels: Labels) -> Tuple[Labels, Labels]:
     origin = np.append(np.arange(len(labels.palette)), frame)
     gradients = None if labels.gradients is None else tuple(labels.gradients[k] for k in origin.tolist())
     parted = Labels(np.where(dropped[area], np.int32(len(labels.palette)), index), labels.palette[origin],
-                    labels.thin, _ramps(labels)[origin], gradients)
+                    labels.thin, _ramps(labels)[origin], gradients, speck=labels.speck)
     return parted, _without_last(parted)
 
 
@@ -158,4 +158,5 @@ def _repaint(image: np.ndarray, labels: Labels, index: np.ndarray, origin: np.nd
     gradients = None
     if labels.gradients is not None:
         gradients = tuple(labels.gradients[origin[k]] if ramp[k] else None for k in first.tolist())
-    return image, Labels(number_of[index], colours[first], labels.thin, ramp[first], gradients)
+    return image, Labels(number_of[index], colours[first], labels.thin, ramp[first], gradients,
+                         speck=labels.speck)

@@ -34,6 +34,9 @@ DITHER = 0.003
 QUANTISED = 3.5
 """Error of the mixes on edges from which a picture's colours count as reduced, levels."""
 
+PIECES = 3.0
+"""Pieces that differ by ripples only are such up to so many times the size of specks."""
+
 CONTRAST = 48.0
 """A speck that differs by more than this from its surroundings is no ripple, levels."""
 
@@ -130,7 +133,7 @@ def _label_rest(known: Known) -> Labels:
     del labels
     result = Labels(index=index, palette=colours, thin=thin, ramp=np.arange(len(colours)) >= keys.size,
                     gradients=tuple(surface and surface.gradient for surface in found),
-                    clear=None if clear is None else unpack(clear.bare(clear.keys)))
+                    clear=None if clear is None else unpack(clear.bare(clear.keys)), speck=speck if rippled else 0.0)
     if soft is not None:
         result = regained.regain_ramps(soft.canvas, result, found, soft.canvas.bare(soft.doubt), noise)
     result = merging.merge_twins(result, canvas.mixing(result.palette))
@@ -174,4 +177,7 @@ def _merge_ripples(canvas: Canvas, labels: Labels, noise: float, least: float) -
         off = canvas.colours(canvas.cells(mask)) - colours[:, index]
         return np.asarray(np.abs(off).max(axis=0) > max(CONTRAST, 5 * noise))
 
-    return merging.merge_specks(labels, least, stands_out)
+    labels = merging.merge_specks(labels, least, stands_out)
+    if noise > ROUNDING:
+        labels = merging.merge_like_pieces(labels, canvas.mixing(labels.palette), PIECES * least, noise)
+    return labels

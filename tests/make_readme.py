@@ -46,7 +46,7 @@ ROOMS = {
                          " overlays glazes shades astride hairlines scraps uneven unsteady regained dither banded"
                          " posterise threshold areas merging components",
     "mesh": "triangulation quads cost ribbon flips",
-    "outlines": "border outline position flatten unblur staircase lattice",
+    "outlines": "border outline splinters position flatten unblur staircase lattice",
     "curves": "fit runs corner segments arclength cubic polish newton coverage quadratic bezier",
     "paint": "paint members gradient samples field parallels stops knots prolonged tint bands recolour swatches"
              " perception",

@@ -8,7 +8,7 @@ import pytest
 
 from ddtcore.canvas import premultiply
 from ddtcore.components import label_components
-from ddtcore.merging import drop_unused, limit_colours, merge_specks, merge_twins, ward_groups
+from ddtcore.merging import drop_unused, limit_colours, merge_like_pieces, merge_specks, merge_twins, ward_groups
 from ddtcore.model import Labels
 
 PALETTE = np.array(
@@ -143,3 +143,30 @@ def test_twins_of_other_opacity_and_ramps_stay():
     palette = [(80, 80, 80, 255), (81, 80, 80, 255), (0, 0, 0, 0), (255, 255, 255, 255)]
     np.testing.assert_array_equal(twins(palette, STRIPES, [False, True, False, False]).palette, palette)
     assert len(twins(palette, STRIPES).palette) == 3
+
+
+def pieces(palette, ramp=None, side=4):
+    """A picture in two halves with a piece of a third label in the right one, beside the left one, merged."""
+    index = np.repeat([[0, 1]], 10, axis=0).repeat(10, axis=1)
+    index[3:3 + side, 10:10 + side] = 2
+    palette = np.array([(*rgb, 255) for rgb in palette], float)
+    labels = Labels(index.astype(np.int16), palette, index == 2, None if ramp is None else np.array(ramp))
+    merged = merge_like_pieces(labels, premultiply(palette).T, 20, 12)
+    assert not merged.thin[index != 2].any()
+    return merged.palette[merged.index[3:3 + side, 10:10 + side], 0].ravel()
+
+
+def test_small_pieces_join_a_neighbour_nearly_like_them():
+    assert (pieces([(0, 0, 0), (200, 200, 200), (210, 205, 195)]) == 200).all()
+    assert (pieces([(200, 200, 200), (0, 0, 0), (210, 205, 195)]) == 200).all()
+
+
+def test_of_two_such_neighbours_that_with_the_longer_border_counts():
+    assert (pieces([(201, 200, 200), (205, 200, 200), (203, 200, 200)]) == 205).all()
+
+
+def test_pieces_that_are_large_or_unlike_or_beside_ramps_stay():
+    assert (pieces([(0, 0, 0), (200, 200, 200), (210, 205, 195)], side=5) == 210).all()
+    assert (pieces([(0, 0, 0), (200, 200, 200), (213, 200, 200)]) == 213).all()
+    assert (pieces([(0, 0, 0), (200, 200, 200), (210, 200, 200)], ramp=[False, True, False]) == 210).all()
+    assert (pieces([(0, 0, 0), (200, 200, 200), (210, 200, 200)], ramp=[False, False, True]) == 210).all()

@@ -65,6 +65,16 @@ def test_a_narrow_ring_without_plateaus_is_real_too():
     assert chosen(draw(60, 60, layers)) == {WHITE, BLACK, GREY}
 
 
+@pytest.mark.parametrize("seed", range(3, 10))
+def test_mixes_that_meet_by_chance_are_not_real(seed):
+    """Few greys are left where colours were reduced: three pixels round a corner have the same one now and then."""
+    random = np.random.RandomState(seed)
+    places = random.uniform((10, 10, 0, 1, 6), (290, 290, np.pi, 2.6, 20), (80, 5))
+    image = draw(300, 300, [(WHITE, everywhere), *((BLACK, stroke(*place)) for place in places)])
+    image[..., :3] = np.array([0, 36, 100, 160, 220, 255])[np.digitize(image[..., :3], [18, 68, 130, 190, 238])]
+    assert chosen(image) == {WHITE, BLACK}
+
+
 def test_beside_ramps_a_strip_between_unlike_colours_is_real():
     layers = [(WHITE, everywhere), (BLACK, disc(20, 30, 12)), (RED, box(44, 4, 48, 56)), (GREY, box(48, 4, 50, 56))]
     canvas = prepare(draw(60, 60, layers))
