@@ -34,11 +34,13 @@ class Known(NamedTuple):
     rippled: bool
     speck: float             # regions smaller than this are ripples, px²
     clear: Optional[Canvas]  # the picture as edges are to be told from it, if that is not as it came
+    even: Canvas             # the picture as flat areas tell their colours
     soft: Optional[unsteady.Soft] = None  # its soft ramps, if they were found under ripples
 
 
 def know(canvas: Canvas, grain: float) -> Known:
     """Find the flat colours and soft ramps of a picture, without its ripples if it has such."""
+    even = canvas
     slopes, count = ramps.find_ramps(canvas)
     found: List[Optional[Surface]] = [None] * count
     plateaus = palette.find_plateaus(canvas, slopes >= 0)
@@ -74,7 +76,7 @@ def know(canvas: Canvas, grain: float) -> Known:
                 return known
         slopes, found, plateaus, inks = _surfaces(canvas, slopes, count, plateaus)
         keys = _with_inks(canvas, palette.choose_colours(canvas, plateaus, bool(found)), inks)
-    return Known(canvas, slopes, found, plateaus, keys, noise, noise * left, rippled, least, clear)
+    return Known(canvas, slopes, found, plateaus, keys, noise, noise * left, rippled, least, clear, even)
 
 
 def know_dithered(canvas: Canvas, dots: np.ndarray) -> Known:
@@ -97,7 +99,7 @@ def know_soft(soft: unsteady.Soft) -> Known:
         clear = bleeding.without_bleeding(bled, keys, noise / unsteady.RIPPLED, slopes, found)
         clear = canvas = replace(canvas, keys=np.where(drawn, canvas.keys, clear.keys))
     return Known(canvas, slopes, [*found, *[None] * (count - len(found))], plateaus, keys,
-                  noise, noise / (unsteady.LEFT if grainy else 2), True, unsteady.SPECK, clear, soft)
+                  noise, noise / (unsteady.LEFT if grainy else 2), True, unsteady.SPECK, clear, soft.canvas, soft)
 
 
 def _know_ringing(canvas: Canvas) -> Optional[Known]:
@@ -112,7 +114,7 @@ def _know_ringing(canvas: Canvas) -> Optional[Known]:
     keys = noisy_colours(canvas, plateaus, ringing.LEFT, ringing.LEFT, slopes >= 0)
     inks = np.array(unlike(canvas, np.append(inks, more), TWIN), np.uint32)
     keys = _with_inks(canvas, keys, inks)
-    return Known(canvas, slopes, found, plateaus, keys, noise, noise, True, ringing.SPECK, None)
+    return Known(canvas, slopes, found, plateaus, keys, noise, noise, True, ringing.SPECK, None, canvas)
 
 
 def _surfaces(canvas: Canvas, slopes: np.ndarray, count: int, plateaus: palette.Plateaus, rippled: float = 0.0

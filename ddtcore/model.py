@@ -47,6 +47,9 @@ class Labels:
     clear : ndarray of shape (H, W, 4) and dtype uint8, optional
         The picture as it was before its edges were blurred, as far as it was found out.
         None: as it is.
+    exact : ndarray of shape (K, 4) and dtype float64, optional
+        The colours that areas are to be painted in, where `palette` tells those that the
+        pixels of `clear` are mixes of.  None: the same.
     """
 
     index: np.ndarray
@@ -55,6 +58,7 @@ class Labels:
     ramp: Optional[np.ndarray] = None
     gradients: Optional[Tuple[Optional[Gradient], ...]] = None
     clear: Optional[np.ndarray] = None
+    exact: Optional[np.ndarray] = None
 
 
 @dataclass(frozen=True)
