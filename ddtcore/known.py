@@ -12,7 +12,7 @@ from typing import List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from . import banded, bleeding, detached, dither, glazes, overlays, palette, ramps, ringing, surfaces, unsteady
+from . import banded, bleeding, detached, dither, glazes, overlays, palette, patches, ramps, ringing, surfaces, unsteady
 from .calm import LEFT
 from .canvas import Canvas, planes, within
 from .growing import Surface
@@ -66,6 +66,7 @@ def know(canvas: Canvas, grain: float) -> Known:
         slopes, found = ramps.no_ramps(canvas.shape), []
         plateaus = palette.find_plateaus(canvas, slopes >= 0)
         keys = _with_inks(canvas, noisy_colours(canvas, plateaus, noise, grain or noise), inks)
+        keys = np.append(keys, patches.patch_colours(canvas, keys, noise, ~plateaus.core))
         if canvas.opaque and not grain and noise > ringing.LEFT:
             clear = canvas = bleeding.without_bleeding(canvas, keys, noise)
             left = bleeding.LEFT

@@ -13,7 +13,7 @@ from typing import Optional, Sequence, Tuple
 
 import numpy as np
 
-from .canvas import RIM, Canvas, planes, within
+from .canvas import RIM, Canvas, pack, planes, within
 from .growing import Surface
 from .noise import ROUNDING, between_plateaus, unlike
 from .palette import find_plateaus, is_mixed
@@ -139,7 +139,7 @@ def without_ringing(canvas: Canvas, ramps: Optional[np.ndarray] = None,
         colour = surface.colours(np.stack([col[some], row[some]], axis=1) + 0.5).T
         off = _unexplained(canvas.colours(cells[some]), colour, low[:, some], high[:, some])
         nearer = off < least[some]
-        best[some[nearer]], least[some[nearer]] = _packed(colour[:, nearer]), off[nearer]
+        best[some[nearer]], least[some[nearer]] = pack(colour[:, nearer]), off[nearer]
     keys = canvas.keys.copy()
     keys[cells] = best
     return replace(canvas, keys=np.pad(canvas.bare(keys), RIM, mode="edge").ravel()), inks
@@ -178,14 +178,6 @@ def _unexplained(here: np.ndarray, colour: np.ndarray, low: np.ndarray, high: np
     off = np.abs(off)
     explained = (off <= ROUNDING + np.where(beyond, BEYOND, SHORT) * (high - low)).all(axis=0)
     return np.where(explained, off.max(axis=0), np.float32(np.inf))
-
-
-def _packed(colours: np.ndarray) -> np.ndarray:
-    """Premultiplied colours (C, N) packed."""
-    rgba = np.full((colours.shape[1], 4), 255.0)
-    rgba[:, :len(colours)] = colours.T
-    rgba[:, :3] *= 255 / np.maximum(rgba[:, 3:], 1)
-    return np.asarray(np.rint(rgba).clip(0, 255).astype(np.uint8).view(np.uint32)[:, 0])
 
 
 def _clipped_strokes(canvas: Canvas, cells: np.ndarray, span: np.ndarray, known: np.ndarray) -> np.ndarray:

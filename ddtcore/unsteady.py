@@ -19,6 +19,7 @@ from .components import mask_areas
 from .growing import FIT, Surface, gradient_surface
 from .noise import REDUCED, ROUNDING, UNSTEADY, noisy_colours, unlike, zigzags
 from .palette import Plateaus, find_plateaus, known_labels
+from .patches import patch_colours
 from .ramps import MANY, find_ramps
 from .spans import renumber, spans_of
 from .surfaces import AREA as CLEAN_PIECE
@@ -215,7 +216,8 @@ def _flat_colours(canvas: Canvas, plateaus: Plateaus, ramps: np.ndarray, noise: 
     keys = noisy_colours(canvas, plateaus, noise, noise, ramps)
     rippled = ramps | (canvas.bare(margins) > noise / 2)
     more = noisy_colours(canvas, find_plateaus(canvas, rippled), noise / LEFT, noise, rippled)
-    return np.array(unlike(canvas, np.append(keys, more), 2 * noise / LEFT), np.uint32)
+    keys = np.array(unlike(canvas, np.append(keys, more), 2 * noise / LEFT), np.uint32)
+    return np.append(keys, patch_colours(canvas, keys, noise, ~ramps))
 
 
 def without_hue_twins(canvas: Canvas, plateaus: Plateaus, keys: np.ndarray, noise: float) -> np.ndarray:
