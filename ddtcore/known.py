@@ -56,6 +56,9 @@ def know(canvas: Canvas, grain: float) -> Known:
         return know_soft(soft)
     inks, clear, left, least = np.zeros(0, np.uint32), None, 1.0, SPECK
     if noise > ROUNDING and not grain and ringing.is_ringing(canvas):
+        known = _know_ringing(canvas) if count else None
+        if known:
+            return known
         (canvas, inks), noise = ringing.without_ringing(canvas), ringing.LEFT
         left, least = ringing.STROKES, ringing.SPECK
     plain = palette.plain_colours(canvas)
@@ -66,7 +69,7 @@ def know(canvas: Canvas, grain: float) -> Known:
         slopes, found = ramps.no_ramps(canvas.shape), []
         plateaus = palette.find_plateaus(canvas, slopes >= 0)
         keys = _with_inks(canvas, noisy_colours(canvas, plateaus, noise, grain or noise), inks)
-        keys = np.append(keys, patches.patch_colours(canvas, keys, noise, ~plateaus.core))
+        keys = np.append(keys, patches.find_patches(canvas, keys, noise, ~plateaus.core).keys)
         if canvas.opaque and not grain and noise > ringing.LEFT:
             clear = canvas = bleeding.without_bleeding(canvas, keys, noise)
             left = bleeding.LEFT
@@ -113,6 +116,7 @@ def _know_ringing(canvas: Canvas) -> Optional[Known]:
     noise = ringing.LEFT * ringing.STROKES
     slopes, found, plateaus, more = _surfaces(canvas, slopes, count, palette.find_plateaus(canvas, slopes >= 0), noise)
     keys = noisy_colours(canvas, plateaus, ringing.LEFT, ringing.LEFT, slopes >= 0)
+    keys = np.append(keys, patches.find_patches(canvas, keys, ringing.LEFT, slopes < 0).keys)
     inks = np.array(unlike(canvas, np.append(inks, more), TWIN), np.uint32)
     keys = _with_inks(canvas, keys, inks)
     return Known(canvas, slopes, found, plateaus, keys, noise, noise, True, ringing.SPECK, None, canvas)

@@ -8,7 +8,7 @@ colours change within a pixel or two by more than what they are off the colours 
 
 from __future__ import annotations
 
-from typing import List, Tuple
+from typing import NamedTuple, Tuple
 
 import numpy as np
 
@@ -22,11 +22,14 @@ OFF = 8.0
 LEVEL = 0.5
 """Colours round a pixel of an area differ by less than this share of what it is off the known ones."""
 
-PIECE, AREA = 6, 12
-"""Fewest such pixels of one piece, and of one colour."""
+PIECE, MOST, AREA = 6, 512, 12
+"""Fewest and most such pixels of one piece, and fewest of one colour."""
 
 EVEN = 0.75
 """Share of a piece's pixels that are nearer to their median colour than half the noise."""
+
+STEEP, SLOPING = 4.0, 0.7
+"""An area whose pixels are so far from their mean, root mean square, levels, is a ramp if a slope explains such a share."""
 
 PURE = 12.0
 """A new colour so near to black or white is one of these, levels."""
@@ -35,8 +38,26 @@ MANY = 128
 """Most pieces that are looked at, the largest ones."""
 
 
-def patch_colours(canvas: Canvas, keys: np.ndarray, noise: float, asked: np.ndarray) -> np.ndarray:
-    """Packed colours of narrow areas, unlike those known.
+class Patches(NamedTuple):
+    """Narrow areas.
+
+    Attributes
+    ----------
+    keys : ndarray of shape (K,) and dtype uint32
+        Their colours, packed.
+    cells : ndarray of shape (N,)
+        Pixels well inside them.
+    number : ndarray of shape (N,)
+        The colour of each of these.
+    """
+
+    keys: np.ndarray
+    cells: np.ndarray
+    number: np.ndarray
+
+
+def find_patches(canvas: Canvas, keys: np.ndarray, noise: float, asked: np.ndarray) -> Patches:
+    """Find narrow areas in colours unlike those known.
 
     Parameters
     ----------
@@ -52,25 +73,21 @@ def patch_colours(canvas: Canvas, keys: np.ndarray, noise: float, asked: np.ndar
     cells = _level(canvas, *_unlike(canvas, canvas.cells(asked), keys, margin))
     piece = cell_components(cells, np.zeros(cells.size, np.int8), canvas.stride)
     size = np.bincount(piece, minlength=1)
-    order = cells[np.argsort(piece, kind="stable")]
-    ends = np.cumsum(size)
-    found: List[np.ndarray] = []
-    counts: List[int] = []
-    for k in np.argsort(-size, kind="stable")[:MANY].tolist():
-        if size[k] < PIECE:
-            break
-        colours = canvas.colours(order[ends[k] - size[k]:ends[k]])
-        colour = np.median(colours, axis=1)
-        if np.mean(np.abs(colours - colour[:, None]).max(axis=0) <= margin / 2) < EVEN:
-            continue
-        off = [np.abs(colour - known).max() for known in found]
-        if off and min(off) <= margin:
-            counts[int(np.argmin(off))] += int(size[k])
-        else:
-            found.append(colour)
-            counts.append(int(size[k]))
-    kept = [_pure(colour) for colour, count in zip(found, counts) if count >= AREA]
-    return pack(np.stack(kept, axis=1)) if kept else np.zeros(0, np.uint32)
+    order, ends = cells[np.argsort(piece, kind="stable")], np.cumsum(size)
+    into, found = np.full(size.size, -1), np.zeros((3 if canvas.opaque else 4, 0))
+    narrow = np.flatnonzero((size >= PIECE) & (size <= MOST))
+    for k in narrow[np.argsort(-size[narrow], kind="stable")[:MANY]].tolist():
+        own = order[ends[k] - size[k]:ends[k]]
+        colours = canvas.colours(own)
+        colour = np.median(colours, axis=1)[:, None]
+        if np.mean(np.abs(colours - colour).max(axis=0) <= margin / 2) >= EVEN and not _slopes(canvas, own):
+            off = np.abs(found - colour).max(axis=0)
+            into[k] = off.argmin() if off.size and off.min() <= margin else off.size
+            found = found if into[k] < off.size else np.append(found, _pure(colour), axis=1)
+    number = into[piece]
+    kept = np.bincount(number[number >= 0], minlength=found.shape[1]) >= AREA
+    number = np.append(np.where(kept, np.cumsum(kept) - 1, -1), -1)[number]
+    return Patches(pack(found[:, kept]), cells[number >= 0], number[number >= 0])
 
 
 def _unlike(canvas: Canvas, cells: np.ndarray, keys: np.ndarray, margin: float) -> Tuple[np.ndarray, np.ndarray]:
@@ -92,9 +109,19 @@ def _level(canvas: Canvas, cells: np.ndarray, off: np.ndarray) -> np.ndarray:
     return np.asarray(cells[(high - low).max(axis=0) <= LEVEL * off])
 
 
+def _slopes(canvas: Canvas, cells: np.ndarray) -> bool:
+    """Whether the colours of pixels change along a slope."""
+    row, col = canvas.places(cells)
+    design = np.stack([np.ones(cells.size), row, col], axis=1)
+    values = canvas.colours(cells).T.astype(np.float64)
+    left = values - design @ np.linalg.lstsq(design, values, rcond=None)[0]
+    off = np.square(values - values.mean(axis=0)).sum()
+    return bool(off > cells.size * STEEP ** 2 and np.square(left).sum() < (1 - SLOPING) * off)
+
+
 def _pure(colour: np.ndarray) -> np.ndarray:
-    """A premultiplied colour (C,), or black or white if it is nearly that."""
+    """A premultiplied colour (C, 1), or black or white if it is nearly that."""
     for end in (0, 255):
         if np.abs(colour[:3] - end).max() <= PURE and colour[3:].min(initial=255) == 255:
-            return np.append(np.full(3, end), colour[3:])
+            return np.append(np.full((3, 1), end), colour[3:], axis=0)
     return colour

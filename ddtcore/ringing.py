@@ -16,8 +16,9 @@ import numpy as np
 from .canvas import RIM, Canvas, pack, planes, within
 from .growing import Surface
 from .noise import ROUNDING, between_plateaus, unlike
-from .palette import find_plateaus, is_mixed
+from .palette import Plateaus, find_plateaus, is_mixed
 from .parts import in_parts
+from .patches import Patches, find_patches
 from .ramps import no_ramps
 
 LEFT = 8.0
@@ -49,6 +50,9 @@ OVERSHOOTING = 0.065
 
 LOW = 40
 """Beside edges of less contrast ramps hardly ring, levels."""
+
+PATCH = 16.0
+"""How far pixels of narrow areas may be from their colour, as they ring from both sides, levels."""
 
 _STRONG, _FIRST, _QUIET, _TURN = 48.0, 0.12, 0.16, 0.01
 _SAMPLE = 1 << 14
@@ -113,7 +117,7 @@ def without_ringing(canvas: Canvas, ramps: Optional[np.ndarray] = None,
     -------
     canvas : Canvas
     inks : ndarray of dtype uint32
-        The packed colours of those that only thin strokes have, as far as they tell.
+        The packed colours of those that only thin strokes or narrow areas have, as far as they tell.
     """
     ramps = no_ramps(canvas.shape) if ramps is None else ramps
     plateaus = find_plateaus(canvas, ramps >= 0)
@@ -124,12 +128,16 @@ def without_ringing(canvas: Canvas, ramps: Optional[np.ndarray] = None,
     if surfaces:
         some = np.flatnonzero((high - low).max(axis=0) > LOW)
         cells, low, high = cells[some], low[:, some], high[:, some]
+    ramp = within((ramps >= 0)[np.newaxis], RIM, np.maximum)[0]
+    patches = find_patches(canvas, np.append(known, inks), PATCH, ~(plateaus.core | ramp))
+    patches = patches._replace(keys=_even(canvas, plateaus, patches.keys))
     known = np.append(known, inks)
     beside = is_mixed(planes(known, canvas.opaque), planes(known, canvas.opaque))
     if surfaces:
         # Along a stroke on a ramp the colour may come near any other.
         beside[:known.size - inks.size] = True
-    reached = _reached(canvas, plateaus.core, cells, known, beside)
+    reached = np.append(_reached(canvas, plateaus.core, cells, known, beside), _beside(canvas, patches, cells), axis=0)
+    known = np.append(known, patches.keys)
     best, least = in_parts(
         lambda part: _settled(canvas, cells[part], low[:, part], high[:, part], known, reached[:, part]), cells.size)
     for number, surface in enumerate(surfaces):
@@ -142,6 +150,7 @@ def without_ringing(canvas: Canvas, ramps: Optional[np.ndarray] = None,
         best[some[nearer]], least[some[nearer]] = pack(colour[:, nearer]), off[nearer]
     keys = canvas.keys.copy()
     keys[cells] = best
+    inks = np.append(inks, patches.keys)
     return replace(canvas, keys=np.pad(canvas.bare(keys), RIM, mode="edge").ravel()), inks
 
 
@@ -156,6 +165,23 @@ def _reached(canvas: Canvas, core: np.ndarray, cells: np.ndarray, known: np.ndar
         flat &= (canvas.keys == known[k]).reshape(flat.shape)
         reached[k] = within(flat[np.newaxis], RIM, np.maximum).ravel()[cells]
     return reached
+
+
+def _beside(canvas: Canvas, patches: Patches, cells: np.ndarray) -> np.ndarray:
+    """Which pixels (N,) are near narrow areas of each colour, bool (K, N)."""
+    near = np.zeros((patches.keys.size, cells.size), bool)
+    for k, beside in enumerate(near):
+        inside = np.zeros((1, canvas.keys.size // canvas.stride, canvas.stride), bool)
+        inside.ravel()[patches.cells[patches.number == k]] = True
+        beside[:] = within(inside, RIM, np.maximum).ravel()[cells]
+    return near
+
+
+def _even(canvas: Canvas, plateaus: Plateaus, keys: np.ndarray) -> np.ndarray:
+    """Packed colours, or the most frequent ones of plateaus that are nearly the same: what does not ring is exact."""
+    some = plateaus.keys[plateaus.full > 0]
+    near = np.abs(planes(keys, canvas.opaque)[:, :, None] - planes(some, canvas.opaque)[:, None]).max(axis=0) <= PATCH / 2
+    return np.where(near.any(axis=1), some[near.argmax(axis=1)], keys) if some.size else keys
 
 
 def _settled(canvas: Canvas, cells: np.ndarray, low: np.ndarray, high: np.ndarray, known: np.ndarray,

@@ -19,7 +19,7 @@ from .components import mask_areas
 from .growing import FIT, Surface, gradient_surface
 from .noise import REDUCED, ROUNDING, UNSTEADY, noisy_colours, unlike, zigzags
 from .palette import Plateaus, find_plateaus, known_labels
-from .patches import patch_colours
+from .patches import find_patches
 from .ramps import MANY, find_ramps
 from .spans import renumber, spans_of
 from .surfaces import AREA as CLEAN_PIECE
@@ -217,7 +217,7 @@ def _flat_colours(canvas: Canvas, plateaus: Plateaus, ramps: np.ndarray, noise: 
     rippled = ramps | (canvas.bare(margins) > noise / 2)
     more = noisy_colours(canvas, find_plateaus(canvas, rippled), noise / LEFT, noise, rippled)
     keys = np.array(unlike(canvas, np.append(keys, more), 2 * noise / LEFT), np.uint32)
-    return np.append(keys, patch_colours(canvas, keys, noise, ~ramps))
+    return np.append(keys, find_patches(canvas, keys, noise, ~ramps).keys)
 
 
 def without_hue_twins(canvas: Canvas, plateaus: Plateaus, keys: np.ndarray, noise: float) -> np.ndarray:
