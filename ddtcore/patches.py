@@ -12,12 +12,12 @@ from typing import NamedTuple, Tuple
 
 import numpy as np
 
-from .canvas import Canvas, pack, planes
+from .canvas import RIM, Canvas, pack, planes
 from .components import cell_components
 from .sides import window
 
-OFF = 8.0
-"""How far a new colour is from all that are known at least, levels of a channel, or else the noise."""
+OFF, NOISE = 24.0, 8.0
+"""How far a new colour is from all that are known at least, levels of a channel, and the least noise reckoned with."""
 
 LEVEL = 0.5
 """Colours round a pixel of an area differ by less than this share of what it is off the known ones."""
@@ -29,13 +29,17 @@ EVEN = 0.75
 """Share of a piece's pixels that are nearer to their median colour than half the noise."""
 
 STEEP, SLOPING = 4.0, 0.7
-"""An area whose pixels are so far from their mean, root mean square, levels, is a ramp if a slope explains such a share."""
+"""An area is a ramp whose pixels are so far from their mean, levels, if a slope explains this share of that."""
 
-PURE = 12.0
-"""A new colour so near to black or white is one of these, levels."""
+HUE, BRIGHT, BESIDE = 2.0, 0.4, 0.03
+"""Hue that a JPEG moved is no colour of its own beside one that is so far off at most, and in brightness, as multiples
+of the noise, and that such a share of the pixels round an area have."""
 
 MANY = 128
 """Most pieces that are looked at, the largest ones."""
+
+LUMA = np.array([0.299, 0.587, 0.114], np.float32)
+"""Shares of the channels in how bright a pixel is."""
 
 
 class Patches(NamedTuple):
@@ -69,8 +73,8 @@ def find_patches(canvas: Canvas, keys: np.ndarray, noise: float, asked: np.ndarr
     asked : ndarray of shape (H, W) and dtype bool
         Where such areas may be.
     """
-    margin = max(OFF, noise)
-    cells = _level(canvas, *_unlike(canvas, canvas.cells(asked), keys, margin))
+    noise = max(noise, NOISE)
+    cells = _level(canvas, *_unlike(canvas, canvas.cells(asked), keys, max(OFF, noise)))
     piece = cell_components(cells, np.zeros(cells.size, np.int8), canvas.stride)
     size = np.bincount(piece, minlength=1)
     order, ends = cells[np.argsort(piece, kind="stable")], np.cumsum(size)
@@ -78,11 +82,10 @@ def find_patches(canvas: Canvas, keys: np.ndarray, noise: float, asked: np.ndarr
     narrow = np.flatnonzero((size >= PIECE) & (size <= MOST))
     for k in narrow[np.argsort(-size[narrow], kind="stable")[:MANY]].tolist():
         own = order[ends[k] - size[k]:ends[k]]
-        colours = canvas.colours(own)
-        colour = np.median(colours, axis=1)[:, None]
-        if np.mean(np.abs(colours - colour).max(axis=0) <= margin / 2) >= EVEN and not _slopes(canvas, own):
+        colour = np.median(canvas.colours(own), axis=1)[:, None]
+        if _is_flat(canvas, own, colour, noise) and not _is_moved(canvas, own, colour, keys, noise):
             off = np.abs(found - colour).max(axis=0)
-            into[k] = off.argmin() if off.size and off.min() <= margin else off.size
+            into[k] = off.argmin() if off.size and off.min() <= max(OFF, noise) else off.size
             found = found if into[k] < off.size else np.append(found, _pure(colour), axis=1)
     number = into[piece]
     kept = np.bincount(number[number >= 0], minlength=found.shape[1]) >= AREA
@@ -109,19 +112,32 @@ def _level(canvas: Canvas, cells: np.ndarray, off: np.ndarray) -> np.ndarray:
     return np.asarray(cells[(high - low).max(axis=0) <= LEVEL * off])
 
 
-def _slopes(canvas: Canvas, cells: np.ndarray) -> bool:
-    """Whether the colours of pixels change along a slope."""
+def _is_flat(canvas: Canvas, cells: np.ndarray, colour: np.ndarray, noise: float) -> bool:
+    """Whether pixels have one colour (C, 1), but for noise, and do not change along a slope."""
+    values = canvas.colours(cells).T.astype(np.float64)
+    if np.mean(np.abs(values - colour.T).max(axis=1) <= noise / 2) < EVEN:
+        return False
     row, col = canvas.places(cells)
     design = np.stack([np.ones(cells.size), row, col], axis=1)
-    values = canvas.colours(cells).T.astype(np.float64)
     left = values - design @ np.linalg.lstsq(design, values, rcond=None)[0]
     off = np.square(values - values.mean(axis=0)).sum()
-    return bool(off > cells.size * STEEP ** 2 and np.square(left).sum() < (1 - SLOPING) * off)
+    return bool(off < cells.size * STEEP ** 2 or np.square(left).sum() > (1 - SLOPING) * off)
+
+
+def _is_moved(canvas: Canvas, cells: np.ndarray, colour: np.ndarray, keys: np.ndarray, noise: float) -> bool:
+    """Whether a colour (C, 1) differs in hue only from a known one that many pixels beside some of it have."""
+    off = planes(keys, canvas.opaque) - colour
+    twins = np.flatnonzero((np.abs(off).max(axis=0) <= HUE * noise) & (np.abs(LUMA @ off[:3]) <= BRIGHT * noise))
+    around = canvas.colours(cells + window(canvas.stride, 1, RIM)[:, None]).reshape(len(off), -1)
+    like = np.zeros(around.shape[1], bool)
+    for known in planes(keys[twins], canvas.opaque).T:
+        like |= np.abs(around - known[:, None]).max(axis=0) <= noise
+    return bool(like.mean() >= BESIDE)
 
 
 def _pure(colour: np.ndarray) -> np.ndarray:
     """A premultiplied colour (C, 1), or black or white if it is nearly that."""
     for end in (0, 255):
-        if np.abs(colour[:3] - end).max() <= PURE and colour[3:].min(initial=255) == 255:
+        if np.abs(colour[:3] - end).max() <= OFF and colour[3:].min(initial=255) == 255:
             return np.append(np.full((3, 1), end), colour[3:], axis=0)
     return colour

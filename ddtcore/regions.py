@@ -12,9 +12,10 @@ from typing import Tuple
 
 import numpy as np
 
-from . import areas, dither, exact, filling, merging, overlays, palette, ramps, regained, scraps, spots, uneven, unsteady
+from . import areas, dither, filling, merging, overlays, palette, ramps, regained, scraps, spots, uneven, unsteady
 from .calm import without_grain
 from .canvas import Canvas, mean_colours, planes, prepare, unpack
+from .exact import exact_colours
 from .known import Known, know, know_dithered, know_soft
 from .model import Labels
 from .noise import ROUNDING, mixing_error, ripple_level
@@ -142,7 +143,7 @@ def _label_rest(known: Known) -> Labels:
         result = _merge_ripples(canvas, result, noise, speck)
     else:
         return merging.drop_unused(result)
-    return exact.exact_colours(even, result, noise) if noise > ROUNDING else result
+    return exact_colours(even, result, noise) if noise > ROUNDING else result
 
 
 def _stray(canvas: Canvas, labels: np.ndarray, colour: np.ndarray) -> bool:

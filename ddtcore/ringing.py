@@ -180,7 +180,8 @@ def _beside(canvas: Canvas, patches: Patches, cells: np.ndarray) -> np.ndarray:
 def _even(canvas: Canvas, plateaus: Plateaus, keys: np.ndarray) -> np.ndarray:
     """Packed colours, or the most frequent ones of plateaus that are nearly the same: what does not ring is exact."""
     some = plateaus.keys[plateaus.full > 0]
-    near = np.abs(planes(keys, canvas.opaque)[:, :, None] - planes(some, canvas.opaque)[:, None]).max(axis=0) <= PATCH / 2
+    off = np.abs(planes(keys, canvas.opaque)[:, :, None] - planes(some, canvas.opaque)[:, None]).max(axis=0)
+    near = off <= PATCH / 2
     return np.where(near.any(axis=1), some[near.argmax(axis=1)], keys) if some.size else keys
 
 
