@@ -13,7 +13,8 @@ from typing import NamedTuple, Tuple
 import numpy as np
 
 from .canvas import RIM, Canvas, pack, planes
-from .components import cell_components
+from .components import cell_components, next_among
+from .palette import MIXED, is_mixed
 from .sides import window
 
 OFF, NOISE = 24.0, 8.0
@@ -83,7 +84,9 @@ def find_patches(canvas: Canvas, keys: np.ndarray, noise: float, asked: np.ndarr
     for k in narrow[np.argsort(-size[narrow], kind="stable")[:MANY]].tolist():
         own = order[ends[k] - size[k]:ends[k]]
         colour = np.median(canvas.colours(own), axis=1)[:, None]
-        if _is_flat(canvas, own, colour, noise) and not _is_moved(canvas, own, colour, keys, noise):
+        if not _is_flat(canvas, own, colour, noise) or _is_moved(canvas, own, colour, keys, noise):
+            continue
+        if _is_wide(own, canvas.stride) or is_mixed(colour, planes(keys, canvas.opaque), max(MIXED, noise))[0]:
             off = np.abs(found - colour).max(axis=0)
             into[k] = off.argmin() if off.size and off.min() <= max(OFF, noise) else off.size
             found = found if into[k] < off.size else np.append(found, _pure(colour), axis=1)
@@ -110,6 +113,11 @@ def _level(canvas: Canvas, cells: np.ndarray, off: np.ndarray) -> np.ndarray:
         beside = canvas.colours(cells + step)
         high, low = np.maximum(high, beside), np.minimum(low, beside)
     return np.asarray(cells[(high - low).max(axis=0) <= LEVEL * off])
+
+
+def _is_wide(cells: np.ndarray, stride: int) -> bool:
+    """Whether there are 2 x 2 pixels in a square among some: strokes with colours of their own have none."""
+    return bool(np.all([next_among(cells, step) >= 0 for step in (1, stride, stride + 1)], axis=0).any())
 
 
 def _is_flat(canvas: Canvas, cells: np.ndarray, colour: np.ndarray, noise: float) -> bool:
