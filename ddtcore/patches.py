@@ -74,6 +74,8 @@ def find_patches(canvas: Canvas, keys: np.ndarray, noise: float, asked: np.ndarr
     asked : ndarray of shape (H, W) and dtype bool
         Where such areas may be.
     """
+    if not keys.size:
+        asked = np.zeros_like(asked)
     noise = max(noise, NOISE)
     cells = _level(canvas, *_unlike(canvas, canvas.cells(asked), keys, max(OFF, noise)))
     piece = cell_components(cells, np.zeros(cells.size, np.int8), canvas.stride)
