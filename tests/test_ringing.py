@@ -22,6 +22,7 @@ Image = pytest.importorskip("PIL.Image")
 LARGE = [(colour, lambda x, y, covers=covers: covers(x / 3, y / 3)) for colour, covers in CARTOON]
 WHITE, BLACK = (255, 255, 255, 255), (0, 0, 0, 255)
 DARK, SKIN, TAN = (33, 33, 33, 255), (255, 192, 128, 255), (200, 150, 110, 255)
+PALE = (232, 213, 197, 255)
 
 
 def outline(x, y, radius, width):
@@ -135,6 +136,18 @@ def test_a_mix_of_others_stays_beside_its_areas():
     labels = label_pixels(resized(draw(200, 200, drawing), 0.5), TraceOptions())
     grey = np.argwhere(labels.palette[labels.index, 0] == DARK[0])
     assert len(grey) and grey[:, 0].max() < 40
+
+
+@pytest.mark.parametrize("factor", [0.6, 0.7, 0.8])
+def test_a_narrow_mix_that_rings_from_both_sides_is_one_area(factor):
+    """A shine on a disc, six pixels wide, is nowhere even in the reduced picture."""
+    shine = [(TAN, disc(100, 100, 80)), (PALE, lambda x, y: outline(x, y, 60, 6.5) & (x + y < 160))]
+    image = resized(draw(200, 200, [(WHITE, everywhere), (BLACK, disc(100, 100, 84)), *shine]), factor)
+    labels = label_pixels(image, TraceOptions())
+    near = np.abs(labels.palette[:, :3] - PALE[:3]).max(axis=1) <= 8
+    y, x = (np.mgrid[:image.shape[0], :image.shape[1]] + 0.5) / factor
+    inside, away = outline(x, y, 60, 3) & (x + y < 150), outline(x, y, 60, 12) | (x + y > 180)
+    assert near.any() and near[labels.index[inside]].mean() > 0.9 and not near[labels.index[~away]].any()
 
 
 def test_transparent_art():
