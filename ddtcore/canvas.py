@@ -102,6 +102,14 @@ def unpack(keys: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(keys)[..., None].view(np.uint8)
 
 
+def pack(colours: np.ndarray) -> np.ndarray:
+    """Premultiplied colours (C, N) as packed pixels (N,), uint32."""
+    rgba = np.full((colours.shape[1], 4), 255.0)
+    rgba[:, :len(colours)] = colours.T
+    rgba[:, :3] *= 255 / np.maximum(rgba[:, 3:], 1)
+    return np.asarray(np.rint(rgba).clip(0, 255).astype(np.uint8).view(np.uint32)[:, 0])
+
+
 def count_keys(keys: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """Different values of a 1-D array, rising, and how often each occurs; quick for long runs."""
     return summed_keys(*in_parts(lambda part: _counted_runs(keys[part]), keys.size))

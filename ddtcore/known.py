@@ -12,7 +12,7 @@ from typing import List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from . import banded, bleeding, detached, dither, glazes, overlays, palette, ramps, ringing, surfaces, unsteady
+from . import banded, bleeding, detached, dither, glazes, overlays, palette, patches, ramps, ringing, surfaces, unsteady
 from .calm import LEFT
 from .canvas import Canvas, planes, within
 from .growing import Surface
@@ -34,11 +34,13 @@ class Known(NamedTuple):
     rippled: bool
     speck: float             # regions smaller than this are ripples, px²
     clear: Optional[Canvas]  # the picture as edges are to be told from it, if that is not as it came
+    even: Canvas             # the picture as flat areas tell their colours
     soft: Optional[unsteady.Soft] = None  # its soft ramps, if they were found under ripples
 
 
 def know(canvas: Canvas, grain: float) -> Known:
     """Find the flat colours and soft ramps of a picture, without its ripples if it has such."""
+    even = canvas
     slopes, count = ramps.find_ramps(canvas)
     found: List[Optional[Surface]] = [None] * count
     plateaus = palette.find_plateaus(canvas, slopes >= 0)
@@ -53,11 +55,12 @@ def know(canvas: Canvas, grain: float) -> Known:
     if soft:
         return know_soft(soft)
     inks, clear, left, least = np.zeros(0, np.uint32), None, 1.0, SPECK
-    rings = not grain and ringing.overshoots(canvas, plateaus.core | (slopes >= 0))
-    known = _know_ringing(canvas) if rings and count else None
+    rings = not grain and ringing.overshoots(canvas, plateaus.core | (slopes >= 0)) > ringing.OVERSHOOTING
+    near_edges = (rings or (noise > ROUNDING and not grain)) and ringing.is_ringing(canvas)
+    known = _know_ringing(canvas) if count and (rings or near_edges) else None
     if known:
         return known
-    if (rings or (noise > ROUNDING and not grain)) and ringing.is_ringing(canvas):
+    if near_edges:
         (canvas, inks), noise, rippled = ringing.without_ringing(canvas), ringing.LEFT, True
         left, least = ringing.STROKES, ringing.SPECK
     plain = palette.plain_colours(canvas)
@@ -68,13 +71,14 @@ def know(canvas: Canvas, grain: float) -> Known:
         slopes, found = ramps.no_ramps(canvas.shape), []
         plateaus = palette.find_plateaus(canvas, slopes >= 0)
         keys = _with_inks(canvas, noisy_colours(canvas, plateaus, noise, grain or noise), inks)
+        keys = np.append(keys, patches.find_patches(canvas, keys, noise, ~plateaus.core).keys)
         if canvas.opaque and not grain and noise > ringing.LEFT:
             clear = canvas = bleeding.without_bleeding(canvas, keys, noise)
             left = bleeding.LEFT
     else:
         slopes, found, plateaus, inks = _surfaces(canvas, slopes, count, plateaus)
         keys = _with_inks(canvas, palette.choose_colours(canvas, plateaus, bool(found)), inks)
-    return Known(canvas, slopes, found, plateaus, keys, noise, noise * left, rippled, least, clear)
+    return Known(canvas, slopes, found, plateaus, keys, noise, noise * left, rippled, least, clear, even)
 
 
 def know_dithered(canvas: Canvas, dots: np.ndarray) -> Known:
@@ -97,7 +101,7 @@ def know_soft(soft: unsteady.Soft) -> Known:
         clear = bleeding.without_bleeding(bled, keys, noise / unsteady.RIPPLED, slopes, found)
         clear = canvas = replace(canvas, keys=np.where(drawn, canvas.keys, clear.keys))
     return Known(canvas, slopes, [*found, *[None] * (count - len(found))], plateaus, keys,
-                  noise, noise / (unsteady.LEFT if grainy else 2), True, unsteady.SPECK, clear, soft)
+                  noise, noise / (unsteady.LEFT if grainy else 2), True, unsteady.SPECK, clear, soft.canvas, soft)
 
 
 def _know_ringing(canvas: Canvas) -> Optional[Known]:
@@ -110,9 +114,10 @@ def _know_ringing(canvas: Canvas) -> Optional[Known]:
     noise = ringing.LEFT * ringing.STROKES
     slopes, found, plateaus, more = _surfaces(canvas, slopes, count, palette.find_plateaus(canvas, slopes >= 0), noise)
     keys = noisy_colours(canvas, plateaus, ringing.LEFT, ringing.LEFT, slopes >= 0)
+    keys = np.append(keys, patches.find_patches(canvas, keys, ringing.LEFT, slopes < 0).keys)
     inks = np.array(unlike(canvas, np.append(inks, more), TWIN), np.uint32)
     keys = _with_inks(canvas, keys, inks)
-    return Known(canvas, slopes, found, plateaus, keys, noise, noise, True, ringing.SPECK, None)
+    return Known(canvas, slopes, found, plateaus, keys, noise, noise, True, ringing.SPECK, None, canvas)
 
 
 def _surfaces(canvas: Canvas, slopes: np.ndarray, count: int, plateaus: palette.Plateaus, rippled: float = 0.0

@@ -49,6 +49,9 @@ class Labels:
         None: as it is.
     speck : float
         Regions smaller than this are ripples, px²; 0 in a picture without.
+    exact : ndarray of shape (K, 4) and dtype float64, optional
+        The colours that areas are to be painted in, where `palette` tells those that the
+        pixels of `clear` are mixes of.  None: the same.
     """
 
     index: np.ndarray
@@ -58,6 +61,7 @@ class Labels:
     gradients: Optional[Tuple[Optional[Gradient], ...]] = None
     clear: Optional[np.ndarray] = None
     speck: float = 0.0
+    exact: Optional[np.ndarray] = None
 
 
 @dataclass(frozen=True)

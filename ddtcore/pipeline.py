@@ -154,6 +154,7 @@ def _draw(image: np.ndarray, labels: Labels, options: TraceOptions, begin: Calla
 
 def _paint(image: np.ndarray, labels: Labels, options: TraceOptions) -> Tuple[np.ndarray, Labels, Labels]:
     """The picture and its labels in the colours that are wanted, and the labels with what isn't painted."""
+    image, labels = recolour.settle(image, labels)
     labels = paint.find_gradients(image, labels)
     if options.regions == "black-white":
         image, labels = ink.separate(image, labels)

@@ -50,6 +50,15 @@ def recolour(image: np.ndarray, labels: Labels, options: TraceOptions) -> Tuple[
     return image, labels
 
 
+def settle(image: np.ndarray, labels: Labels) -> Tuple[np.ndarray, Labels]:
+    """Paint areas in their exact colours, where these are not those that the picture mixes."""
+    if labels.exact is None:
+        return image, labels
+    if labels.clear is None:
+        return image, replace(labels, palette=labels.exact, exact=None)
+    return _repaint(image, labels, labels.index, np.arange(len(labels.palette)), labels.exact)
+
+
 def merge_similar(image: np.ndarray, labels: Labels, apart: float) -> Tuple[np.ndarray, Labels]:
     """Give colours that look alike the most frequent one of them; soft ramps stay.
 

@@ -15,6 +15,7 @@ import numpy as np
 from . import areas, dither, filling, merging, overlays, palette, ramps, regained, scraps, spots, uneven, unsteady
 from .calm import without_grain
 from .canvas import Canvas, mean_colours, planes, prepare, unpack
+from .exact import exact_colours
 from .known import Known, know, know_dithered, know_soft
 from .model import Labels
 from .noise import ROUNDING, mixing_error, ripple_level
@@ -98,7 +99,7 @@ def label_flat_art(canvas: Canvas, grain: float = 0.0) -> Labels:
 
 def _label_rest(known: Known) -> Labels:
     """Label the strokes and edges of a picture, too."""
-    canvas, slopes, found, plateaus, keys, noise, doubt, rippled, speck, clear, soft = known
+    canvas, slopes, found, plateaus, keys, noise, doubt, rippled, speck, clear, even, soft = known
     count = len(found)
     if not keys.size and not count:
         return posterise(canvas, MANY)
@@ -140,8 +141,12 @@ def _label_rest(known: Known) -> Labels:
     if noise > ROUNDING and rippled and clear is None and not count:
         result = uneven.join_slopes(canvas, result, noise)
     if specks > DITHER * cells.size + 10:
-        return merging.merge_specks(result, speck)
-    return _merge_ripples(canvas, result, noise, speck) if rippled else merging.drop_unused(result)
+        result = merging.merge_specks(result, speck)
+    elif rippled:
+        result = _merge_ripples(canvas, result, noise, speck)
+    else:
+        return merging.drop_unused(result)
+    return exact_colours(even, result, noise) if noise > ROUNDING else result
 
 
 def _stray(canvas: Canvas, labels: np.ndarray, colour: np.ndarray) -> bool:

@@ -13,11 +13,12 @@ from typing import Optional, Sequence, Tuple
 
 import numpy as np
 
-from .canvas import RIM, Canvas, planes, within
+from .canvas import RIM, Canvas, pack, planes, within
 from .growing import Surface
 from .noise import ROUNDING, between_plateaus, unlike
-from .palette import find_plateaus, is_mixed
+from .palette import Plateaus, find_plateaus, is_mixed
 from .parts import in_parts
+from .patches import Patches, find_patches
 from .ramps import no_ramps
 
 LEFT = 8.0
@@ -53,6 +54,9 @@ EDGES = 64
 LOW = 40
 """Beside edges of less contrast ramps hardly ring, levels."""
 
+PATCH = 16.0
+"""How far pixels of narrow areas may be from their colour, as they ring from both sides, levels."""
+
 _STRONG, _FIRST, _QUIET, _TURN = 48.0, 0.12, 0.16, 0.01
 _SAMPLE = 1 << 13
 _CORE = 4
@@ -76,8 +80,8 @@ def is_ringing(canvas: Canvas) -> bool:
     return bool(np.mean(calm) < RARE)
 
 
-def overshoots(canvas: Canvas, core: np.ndarray) -> bool:
-    """Whether beside many edges the colour turns away from the other side before it goes there.
+def overshoots(canvas: Canvas, core: np.ndarray) -> float:
+    """Share of edges beside which the colour turns away from the other side before it goes there; 0 if there are few.
 
     Channels clipped at 0 or 255 do not tell.  What turns away by more than filters do is drawn.
 
@@ -102,7 +106,7 @@ def overshoots(canvas: Canvas, core: np.ndarray) -> bool:
         edges += int(np.count_nonzero(edge))
         edge &= (first >= 0) & (second < -np.maximum(1, _TURN * rise)) & (second > -MARGIN * rise)
         turning += int(np.count_nonzero(edge))
-    return edges >= EDGES and turning > OVERSHOOTING * edges
+    return turning / edges if edges >= EDGES else 0.0
 
 
 def margins(canvas: Canvas) -> np.ndarray:
@@ -127,7 +131,7 @@ def without_ringing(canvas: Canvas, ramps: Optional[np.ndarray] = None,
     -------
     canvas : Canvas
     inks : ndarray of dtype uint32
-        The packed colours of those that only thin strokes have, as far as they tell.
+        The packed colours of those that only thin strokes or narrow areas have, as far as they tell.
     """
     ramps = no_ramps(canvas.shape) if ramps is None else ramps
     plateaus = find_plateaus(canvas, ramps >= 0)
@@ -138,12 +142,17 @@ def without_ringing(canvas: Canvas, ramps: Optional[np.ndarray] = None,
     if surfaces:
         some = np.flatnonzero((high - low).max(axis=0) > LOW)
         cells, low, high = cells[some], low[:, some], high[:, some]
+    ramp = within((ramps >= 0)[np.newaxis], RIM, np.maximum)[0]
+    patches = find_patches(canvas, np.append(known, inks), PATCH, ~(plateaus.core | ramp))
+    patches = patches._replace(keys=_even(canvas, plateaus, patches.keys))
     known = np.append(known, inks)
     bound = is_mixed(planes(known, canvas.opaque), planes(known, canvas.opaque))
     if surfaces:
         # Along a stroke on a ramp the colour may come near any other.
         bound[:known.size - inks.size] = True
-    beside = _beside(canvas, plateaus.core, cells, known)
+    bound = np.append(bound, np.ones(patches.keys.size, bool))
+    beside = np.append(_beside(canvas, plateaus.core, cells, known), _near(canvas, patches, cells), axis=0)
+    known = np.append(known, patches.keys)
     best, least = in_parts(
         lambda part: _settled(canvas, cells[part], low[:, part], high[:, part], known, beside[:, part], bound),
         cells.size)
@@ -154,9 +163,10 @@ def without_ringing(canvas: Canvas, ramps: Optional[np.ndarray] = None,
         colour = surface.colours(np.stack([col[some], row[some]], axis=1) + 0.5).T
         off = _unexplained(canvas.colours(cells[some]), colour, low[:, some], high[:, some])
         nearer = off < least[some]
-        best[some[nearer]], least[some[nearer]] = _packed(colour[:, nearer]), off[nearer]
+        best[some[nearer]], least[some[nearer]] = pack(colour[:, nearer]), off[nearer]
     keys = canvas.keys.copy()
     keys[cells] = best
+    inks = np.append(inks, patches.keys)
     return replace(canvas, keys=np.pad(canvas.bare(keys), RIM, mode="edge").ravel()), inks
 
 
@@ -168,6 +178,24 @@ def _beside(canvas: Canvas, core: np.ndarray, cells: np.ndarray, known: np.ndarr
         flat &= (canvas.keys == key).reshape(flat.shape)
         beside[k] = within(flat[np.newaxis], RIM, np.maximum).ravel()[cells]
     return beside
+
+
+def _near(canvas: Canvas, patches: Patches, cells: np.ndarray) -> np.ndarray:
+    """Which pixels (N,) are near narrow areas of each colour, bool (K, N)."""
+    near = np.zeros((patches.keys.size, cells.size), bool)
+    for k, beside in enumerate(near):
+        inside = np.zeros((1, canvas.keys.size // canvas.stride, canvas.stride), bool)
+        inside.ravel()[patches.cells[patches.number == k]] = True
+        beside[:] = within(inside, RIM, np.maximum).ravel()[cells]
+    return near
+
+
+def _even(canvas: Canvas, plateaus: Plateaus, keys: np.ndarray) -> np.ndarray:
+    """Packed colours, or the most frequent ones of plateaus that are nearly the same: what does not ring is exact."""
+    some = plateaus.keys[plateaus.full > 0]
+    off = np.abs(planes(keys, canvas.opaque)[:, :, None] - planes(some, canvas.opaque)[:, None]).max(axis=0)
+    near = off <= PATCH / 2
+    return np.where(near.any(axis=1), some[near.argmax(axis=1)], keys) if some.size else keys
 
 
 def _settled(canvas: Canvas, cells: np.ndarray, low: np.ndarray, high: np.ndarray, known: np.ndarray,
@@ -198,14 +226,6 @@ def _unexplained(here: np.ndarray, colour: np.ndarray, low: np.ndarray, high: np
     off = np.abs(off)
     explained = (off <= ROUNDING + np.where(beyond, BEYOND, SHORT) * (high - low)).all(axis=0)
     return np.where(explained, off.max(axis=0), np.float32(np.inf))
-
-
-def _packed(colours: np.ndarray) -> np.ndarray:
-    """Premultiplied colours (C, N) packed."""
-    rgba = np.full((colours.shape[1], 4), 255.0)
-    rgba[:, :len(colours)] = colours.T
-    rgba[:, :3] *= 255 / np.maximum(rgba[:, 3:], 1)
-    return np.asarray(np.rint(rgba).clip(0, 255).astype(np.uint8).view(np.uint32)[:, 0])
 
 
 def _clipped_strokes(canvas: Canvas, cells: np.ndarray, span: np.ndarray, known: np.ndarray) -> np.ndarray:

@@ -19,6 +19,7 @@ from .components import mask_areas
 from .growing import FIT, Surface, gradient_surface
 from .noise import REDUCED, ROUNDING, UNSTEADY, noisy_colours, unlike, zigzags
 from .palette import Plateaus, find_plateaus, known_labels
+from .patches import find_patches
 from .ramps import MANY, find_ramps
 from .spans import renumber, spans_of
 from .surfaces import AREA as CLEAN_PIECE
@@ -34,7 +35,10 @@ FINE = 0.6
 """Pixels of a ramp in a scan differ from it by less than this share of the grain, as that was averaged away."""
 
 SLOPING = 0.03
-"""Smallest share of a picture's area that its ramps have: less is better told with flat colours alone."""
+"""Smallest share of a picture's area that its ramps have, unless they are sure."""
+
+SURE, FEW = 1.4, 0.002
+"""How much more contrast than ripples sure ramps have at least, and their smallest share of a picture's area."""
 
 BEND = 3.0
 """Largest change of the step from pixel to pixel on a ramp without most of its ripples, levels."""
@@ -141,7 +145,7 @@ def _beside_flat(slopes: np.ndarray, canvas: Canvas, count: int, margins: np.nda
     Returns where they are, (H, W), and how many ramps there are then.
     """
     flat, rest = np.zeros(slopes.shape, bool), np.zeros(slopes.shape, bool)
-    _, steep = _steep(canvas, slopes, [None] * count, margins)
+    _, steep, _ = _steep(canvas, slopes, [None] * count, margins)
     for number, spans in enumerate(spans_of(slopes, count)):
         if spans.size < FLAT or steep[number]:
             continue
@@ -192,14 +196,14 @@ def _steep_ramps(canvas: Canvas, margins: np.ndarray, fit: float, piece: int, jo
     flat = np.zeros(slopes.shape, bool)
     if fading:
         flat, count = _beside_flat(slopes, canvas, count, margins)
-    size, steep = _steep(canvas, slopes, [None] * count, margins)
-    if size[steep].sum() < SLOPING * slopes.size:
+    size, steep, sure = _steep(canvas, slopes, [None] * count, margins)
+    if not _enough(size, steep, sure, slopes.size):
         return None
     flat |= np.append(~steep & (size >= FLAT), False)[slopes]
     renumber(slopes, _numbers(steep))
     slopes, surfaces = separate(canvas, slopes, int(steep.sum()), ~flat, fit, piece, joint)
-    size, steep = _steep(canvas, slopes, surfaces, margins)
-    if size[steep].sum() < SLOPING * slopes.size:
+    size, steep, sure = _steep(canvas, slopes, surfaces, margins)
+    if not _enough(size, steep, sure, slopes.size):
         return None
     flat |= np.append(~steep & (size >= FLAT), False)[slopes]
     renumber(slopes, _numbers(steep))
@@ -212,7 +216,8 @@ def _flat_colours(canvas: Canvas, plateaus: Plateaus, ramps: np.ndarray, noise: 
     keys = noisy_colours(canvas, plateaus, noise, noise, ramps)
     rippled = ramps | (canvas.bare(margins) > noise / 2)
     more = noisy_colours(canvas, find_plateaus(canvas, rippled), noise / LEFT, noise, rippled)
-    return np.array(unlike(canvas, np.append(keys, more), 2 * noise / LEFT), np.uint32)
+    keys = np.array(unlike(canvas, np.append(keys, more), 2 * noise / LEFT), np.uint32)
+    return np.append(keys, find_patches(canvas, keys, noise, ~ramps).keys)
 
 
 def without_hue_twins(canvas: Canvas, plateaus: Plateaus, keys: np.ndarray, noise: float) -> np.ndarray:
@@ -283,12 +288,13 @@ def _beside_edges(canvas: Canvas, noise: float) -> np.ndarray:
 
 
 def _steep(canvas: Canvas, slopes: np.ndarray, surfaces: Sequence[Optional[Surface]],
-           margins: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Sizes of some ramps, and which of them are large and have more contrast than ripples alone.
+           margins: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Sizes of some ramps, which of them are large and have more contrast than ripples alone, and which surely so.
 
     The contrast is that of their surfaces, which have to be gradients, where they are known.
     """
-    size, steep = np.zeros(len(surfaces), np.int64), np.zeros(len(surfaces), bool)
+    size = np.zeros(len(surfaces), np.int64)
+    steep, sure = np.zeros((2, len(surfaces)), bool)
     for number, (spans, surface) in enumerate(zip(spans_of(slopes, len(surfaces)), surfaces)):
         size[number] = spans.size
         if spans.size >= AREA and (surface is None or surface.gradient):
@@ -300,8 +306,15 @@ def _steep(canvas: Canvas, slopes: np.ndarray, surfaces: Sequence[Optional[Surfa
             share = (colour[most] - low[most]) / max(high[most] - low[most], 1.0)
             # Two flat colours have next to nothing between them.
             between = np.mean(np.abs(share - 0.5) < 0.25)
-            steep[number] = high[most] - low[most] >= margins[cells].mean() and between >= BETWEEN
-    return size, steep
+            contrast = (high[most] - low[most]) / margins[cells].mean()
+            steep[number] = contrast >= 1 and between >= BETWEEN
+            sure[number] = steep[number] and contrast >= SURE
+    return size, steep, sure
+
+
+def _enough(size: np.ndarray, steep: np.ndarray, sure: np.ndarray, area: int) -> bool:
+    """Whether ramps have a large enough share of a picture's area."""
+    return bool(size[steep].sum() >= SLOPING * area or size[sure].sum() >= FEW * area)
 
 
 def _clipped(surface: Surface, channels: int, margin: float) -> Surface:

@@ -42,9 +42,9 @@ ROOMS = {
     "from outside": "__init__ __main__ cli files progress report compare inkscape",
     "picture in": "raster sprites ink enlarged resampling",
     "pixels to regions": "regions known canvas palette noise calm ringing bleeding mixes sides ridges strokes"
-                         " strokeinks narrow spots filling residue margins ramps surfaces growing spans detached"
-                         " overlays glazes shades astride hairlines scraps uneven unsteady regained dither banded"
-                         " posterise threshold areas merging components",
+                         " strokeinks narrow spots patches filling residue margins ramps surfaces growing spans"
+                         " detached overlays glazes shades astride hairlines scraps uneven unsteady regained dither"
+                         " banded exact posterise threshold areas merging components",
     "mesh": "triangulation quads cost ribbon flips",
     "outlines": "border outline splinters position flatten unblur staircase lattice",
     "curves": "fit runs corner segments arclength cubic polish newton coverage quadratic bezier",

@@ -13,6 +13,7 @@ from artwork import CARTOON, box, disc, draw, everywhere, palette_of, stroke
 from ddtcore.canvas import prepare, unpack
 from ddtcore.noise import ROUNDING
 from ddtcore.options import TraceOptions
+from ddtcore.palette import find_plateaus
 from ddtcore.regions import label_pixels
 from ddtcore.ringing import BEYOND, OVERSHOOTING, is_ringing, margins, overshoots, without_ringing
 from ddtcore.unsteady import ramps_under
@@ -22,6 +23,7 @@ Image = pytest.importorskip("PIL.Image")
 LARGE = [(colour, lambda x, y, covers=covers: covers(x / 3, y / 3)) for colour, covers in CARTOON]
 WHITE, BLACK = (255, 255, 255, 255), (0, 0, 0, 255)
 DARK, SKIN, TAN = (33, 33, 33, 255), (255, 192, 128, 255), (200, 150, 110, 255)
+PALE = (232, 213, 197, 255)
 
 
 def outline(x, y, radius, width):
@@ -137,6 +139,18 @@ def test_a_mix_of_others_stays_beside_its_areas():
     assert len(grey) and grey[:, 0].max() < 40
 
 
+@pytest.mark.parametrize("factor", [0.6, 0.7, 0.8])
+def test_a_narrow_mix_that_rings_from_both_sides_is_one_area(factor):
+    """A shine on a disc, six pixels wide, is nowhere even in the reduced picture."""
+    shine = [(TAN, disc(100, 100, 80)), (PALE, lambda x, y: outline(x, y, 60, 6.5) & (x + y < 160))]
+    image = resized(draw(200, 200, [(WHITE, everywhere), (BLACK, disc(100, 100, 84)), *shine]), factor)
+    labels = label_pixels(image, TraceOptions())
+    near = np.abs(labels.palette[:, :3] - PALE[:3]).max(axis=1) <= 8
+    y, x = (np.mgrid[:image.shape[0], :image.shape[1]] + 0.5) / factor
+    inside, away = outline(x, y, 60, 3) & (x + y < 150), outline(x, y, 60, 12) | (x + y > 180)
+    assert near.any() and near[labels.index[inside]].mean() > 0.9 and not near[labels.index[~away]].any()
+
+
 def test_transparent_art():
     image = resized(draw(240, 240, LARGE), 0.5)
     image[image[..., 0] > 250] = 0
@@ -156,12 +170,41 @@ def shaded(height=300, width=360):
     return image
 
 
-@pytest.mark.parametrize("factor", [0.5, 0.7])
-def test_edges_of_shaded_art_overshoot_when_it_was_reduced_only(factor):
-    assert overshoots(prepare(shaded())) < OVERSHOOTING / 2
-    assert overshoots(prepare(shaded()[::2, ::2])) < OVERSHOOTING / 2
-    assert overshoots(prepare(resized(shaded(), factor))) > OVERSHOOTING
-    assert overshoots(prepare(np.full((20, 30, 4), 255, np.uint8))) == 0
+def overshooting(image):
+    canvas = prepare(image)
+    return overshoots(canvas, find_plateaus(canvas, np.zeros(canvas.shape, bool)).core)
+
+
+@pytest.mark.parametrize("factor", [0.5, 0.7, 1.5])
+def test_edges_of_shaded_art_overshoot_when_it_was_resized_only(factor):
+    assert overshooting(shaded()) < OVERSHOOTING / 2
+    assert overshooting(shaded()[::2, ::2]) < OVERSHOOTING / 2
+    assert overshooting(resized(shaded(), factor)) > OVERSHOOTING
+    assert overshooting(np.full((20, 30, 4), 255, np.uint8)) == 0
+
+
+def test_clipped_channels_do_not_tell():
+    # Red and blue are at their ends on both sides.
+    orange, black = (255, 127, 0, 255), (0, 0, 0, 255)
+    image = resized(draw(240, 240, [(orange, everywhere), (black, disc(120, 120, 80)), (orange, disc(120, 120, 60))]), 0.7)
+    assert np.unique(image[..., 0]).max() == 255 and overshooting(image) > 2 * OVERSHOOTING
+
+
+def test_a_drawn_rim_is_no_overshoot():
+    image = draw(240, 240, [(TAN, everywhere), ((250, 230, 190, 255), disc(120, 120, 82)), (BLACK, disc(120, 120, 80)),
+                            (TAN, disc(120, 120, 60))])
+    assert overshooting(image) < OVERSHOOTING / 2
+
+
+def test_halos_beside_one_plateau_are_no_colour_that_lies_nearer():
+    grey = (229, 229, 229, 255)
+    image = resized(draw(300, 300, [(WHITE, everywhere), (BLACK, disc(150, 150, 120)), (grey, disc(150, 150, 112))]), 0.5)
+    labels = label_pixels(image, TraceOptions())
+    row, col = np.mgrid[:150, :150] + 0.5
+    inside = np.hypot(row - 75, col - 75) < 54
+    white = np.flatnonzero((np.rint(labels.palette) == WHITE).all(axis=1))
+    assert not np.isin(labels.index[inside], white).any()
+
 
 
 @pytest.mark.parametrize("factor", [0.5, 0.7])

@@ -16,7 +16,7 @@ from ddtcore.noise import UNSTEADY, ripple_level, zigzags
 from ddtcore.options import TraceOptions
 from ddtcore.palette import find_plateaus
 from ddtcore.regions import label_pixels
-from ddtcore.unsteady import find_soft, without_hue_twins
+from ddtcore.unsteady import SLOPING, find_soft, without_hue_twins
 
 PAPER, INK, SKIN = (255, 255, 255, 255), (0, 0, 0, 255), (200, 120, 40, 255)
 
@@ -129,6 +129,18 @@ def test_ripples_of_a_jpeg_are_strongest_beside_edges_and_a_grain_is_so_everywhe
 def test_a_ramp_counts_in_a_picture_that_is_flat_elsewhere(kind):
     image = np.pad(balloon(), [(20, 120), (20, 220), (0, 0)], mode="edge")
     assert len(soft_of(SPOILED[kind](image)).surfaces) == 1
+
+
+@pytest.mark.parametrize("kind", ["q90", "q75", "q50", "scan"])
+def test_a_single_small_ramp_counts_if_it_is_sure(kind):
+    small = draw(100, 100, [(PAPER, everywhere), (INK, disc(50, 50, 44)), (SKIN, disc(50, 50, 38))])
+    ball = disc(50, 50, 35)(*np.mgrid[:100, :100][::-1])
+    small[ball, :3] = np.clip(150 + 1.6 * (np.nonzero(ball)[0] - 50), 0, 255)[:, None] * (1, 0.7, 0.5)
+    small, ball = (np.pad(some, [(200, 100), (100, 200), (0, 0)][:some.ndim], mode="edge") for some in (small, ball))
+    assert ball.sum() < SLOPING * ball.size
+    soft = soft_of(SPOILED[kind](small))
+    assert (soft.slopes[ball] >= 0).mean() > 0.9
+    assert (soft.slopes[:200] < 0).all() and len(soft.surfaces) <= 3
 
 
 def shadow(height=240, width=300):
