@@ -35,6 +35,9 @@ REACH = 8
 STROKES = 3
 """How many squares away the colours are looked for that strokes in one may have, if none nearer does."""
 
+ONE_BY_ONE = 4
+"""If it is no more colours than these that do so, each is tried without the others."""
+
 TILE = 32
 """Side of the squares that are looked at together, px."""
 
@@ -90,12 +93,40 @@ def without_bleeding(canvas: Canvas, keys: np.ndarray, noise: float, slopes: Opt
         mixed, _, off = best_mixes(tiles, near, paints, some, bled, SURE * noise)
         # No pixel of thin strokes need have their colour, so it may be met farther away only.
         more = (off > FOREIGN * noise).sum(axis=(1, 2)) >= _FEW
-        mixed[more], _, off[more] = best_mixes(tiles, wide, paints, some[more], bled, SURE * noise)
+        mixed[more], off[more] = _with_strokes(tiles, near, wide, paints, some[more], bled, noise)
         rgba = np.full((*off.shape, 4), 255, np.uint8)
         kept = np.where((off <= FOREIGN * noise)[:, None], np.rint(mixed), tiles[row, col][..., _INNER, _INNER])
         rgba[..., :3] = np.moveaxis(kept, 1, -1)
         squares[row, col] = rgba.view(np.uint32)[..., 0]
     return replace(canvas, keys=np.pad(keys[:canvas.shape[0], :canvas.shape[1]], RIM, mode="edge").ravel())
+
+
+def _with_strokes(tiles: np.ndarray, near: np.ndarray, wide: np.ndarray,
+                  paints: Sequence[Union[np.ndarray, Surface]], places: np.ndarray, bled: bool,
+                  noise: float) -> Tuple[np.ndarray, np.ndarray]:
+    """The best mixes in squares with strokes, and how far they are from the picture, as `best_mixes` has them.
+
+    Strokes there have one more colour than those `near`, one of those met in a `wide` circle; or several
+    if no one explains as much: else others would take the place of what mixes three.
+    """
+    limit = FOREIGN * noise
+    mixed, _, off = best_mixes(tiles, wide, paints, places, bled, SURE * noise)
+    most = (off > limit).sum(axis=(1, 2)) + _FEW
+    least = np.full(len(places), np.inf)
+    row, col = places.T
+    more = (wide & ~near)[:, row, col]
+    more &= more.sum(axis=0) <= ONE_BY_ONE
+    for k in range(len(near)):
+        some = np.flatnonzero(more[k])
+        if some.size:
+            asked = near.copy()
+            asked[k, row[some], col[some]] = True
+            one, cost, away = best_mixes(tiles, asked, paints, places[some], bled, SURE * noise)
+            total = cost.sum(axis=(1, 2))
+            better = (total < least[some]) & ((away > limit).sum(axis=(1, 2)) <= most[some])
+            some = some[better]
+            least[some], mixed[some], off[some] = total[better], one[better], away[better]
+    return mixed, off
 
 
 def in_squares(canvas: Canvas) -> np.ndarray:
