@@ -17,7 +17,7 @@ import numpy as np
 from . import bleeding
 from .canvas import Canvas
 from .noise import zigzags
-from .palette import is_mixed
+from .palette import is_mixed, plain_colours
 
 MANY = 16
 """Most inks."""
@@ -93,7 +93,7 @@ class _Parts(NamedTuple):
 def find_inks(canvas: Canvas) -> np.ndarray:
     """The packed inks of a hatched drawing, those met most often first; none if the picture is no such drawing."""
     none = np.zeros(0, np.uint32)
-    if not canvas.opaque:
+    if not canvas.opaque or plain_colours(canvas).size:
         return none
     squares = bleeding.in_squares(canvas)
     # Squares that leave the picture at its end are filled up.

@@ -96,6 +96,12 @@ def test_drawings_that_are_flat_or_grainy_are_known_otherwise():
     assert not find_inks(prepare(image)).size
 
 
+@pytest.mark.parametrize("name", ["red on white", "grey"])
+def test_pixels_without_mixes_are_what_they_say(name):
+    hard = [(ink, lambda x, y, covers=covers: covers(np.floor(x), np.floor(y))) for ink, covers in HATCHED[name]]
+    assert not find_inks(prepare(draw(200, 200, hard))).size
+
+
 def test_what_shines_through_is_no_jpeg():
     image = draw(64, 64, HATCHED["grey"])
     image[..., 3] = 128
