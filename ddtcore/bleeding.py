@@ -35,6 +35,9 @@ REACH = 8
 STROKES = 3
 """How many squares away the colours are looked for that strokes in one may have, if none nearer does."""
 
+ONE_BY_ONE = 4
+"""If it is no more colours than these that do so, each is tried without the others."""
+
 TILE = 32
 """Side of the squares that are looked at together, px."""
 
@@ -71,7 +74,7 @@ def without_bleeding(canvas: Canvas, keys: np.ndarray, noise: float, slopes: Opt
     """
     colours = planes(keys[:COLOURS], True)
     paints = [*colours.T, *surfaces[:SURFACES]]
-    tiles, (near, strange) = _tiles(canvas), _colours_near(canvas, colours, noise)
+    tiles, (near, strange) = in_squares(canvas), _colours_near(canvas, colours, noise)
     if slopes is not None and surfaces:
         near = np.concatenate([near, [_met(slopes == number, _RIM) for number in range(len(paints) - len(near))]])
         strange[:] = False
@@ -80,17 +83,17 @@ def without_bleeding(canvas: Canvas, keys: np.ndarray, noise: float, slopes: Opt
     if not len(busy):
         return canvas
     some = busy[np.linspace(0, len(busy) - 1, min(len(busy), _SAMPLE)).astype(int)]
-    costs = np.array([_explained(tiles, near, paints, some, bled)[1] for bled in (True, False)])
+    costs = np.array([best_mixes(tiles, near, paints, some, bled)[1] for bled in (True, False)])
     # There are no mixes, and no costs, in squares of one colour.
     bled = bool(np.less(*np.where(np.isfinite(costs), costs, 0).sum(axis=(1, 2, 3))))
     keys = np.pad(canvas.bare(canvas.keys), [(0, -size % TILE) for size in canvas.shape], mode="constant")
     squares = keys.reshape(near.shape[1], TILE, near.shape[2], TILE).swapaxes(1, 2)
     for some in (busy[k:k + _PART] for k in range(0, len(busy), _PART)):
         row, col = some.T
-        mixed, _, off = _explained(tiles, near, paints, some, bled, SURE * noise)
+        mixed, _, off = best_mixes(tiles, near, paints, some, bled, SURE * noise)
         # No pixel of thin strokes need have their colour, so it may be met farther away only.
         more = (off > FOREIGN * noise).sum(axis=(1, 2)) >= _FEW
-        mixed[more], _, off[more] = _explained(tiles, wide, paints, some[more], bled, SURE * noise)
+        mixed[more], off[more] = _with_strokes(tiles, near, wide, paints, some[more], bled, noise)
         rgba = np.full((*off.shape, 4), 255, np.uint8)
         kept = np.where((off <= FOREIGN * noise)[:, None], np.rint(mixed), tiles[row, col][..., _INNER, _INNER])
         rgba[..., :3] = np.moveaxis(kept, 1, -1)
@@ -98,7 +101,35 @@ def without_bleeding(canvas: Canvas, keys: np.ndarray, noise: float, slopes: Opt
     return replace(canvas, keys=np.pad(keys[:canvas.shape[0], :canvas.shape[1]], RIM, mode="edge").ravel())
 
 
-def _tiles(canvas: Canvas) -> np.ndarray:
+def _with_strokes(tiles: np.ndarray, near: np.ndarray, wide: np.ndarray,
+                  paints: Sequence[Union[np.ndarray, Surface]], places: np.ndarray, bled: bool,
+                  noise: float) -> Tuple[np.ndarray, np.ndarray]:
+    """The best mixes in squares with strokes, and how far they are from the picture, as `best_mixes` has them.
+
+    Strokes there have one more colour than those `near`, one of those met in a `wide` circle; or several
+    if no one explains as much: else others would take the place of what mixes three.
+    """
+    limit = FOREIGN * noise
+    mixed, _, off = best_mixes(tiles, wide, paints, places, bled, SURE * noise)
+    most = (off > limit).sum(axis=(1, 2)) + _FEW
+    least = np.full(len(places), np.inf)
+    row, col = places.T
+    more = (wide & ~near)[:, row, col]
+    more &= more.sum(axis=0) <= ONE_BY_ONE
+    for k in range(len(near)):
+        some = np.flatnonzero(more[k])
+        if some.size:
+            asked = near.copy()
+            asked[k, row[some], col[some]] = True
+            one, cost, away = best_mixes(tiles, asked, paints, places[some], bled, SURE * noise)
+            total = cost.sum(axis=(1, 2))
+            better = (total < least[some]) & ((away > limit).sum(axis=(1, 2)) <= most[some])
+            some = some[better]
+            least[some], mixed[some], off[some] = total[better], one[better], away[better]
+    return mixed, off
+
+
+def in_squares(canvas: Canvas) -> np.ndarray:
     """Squares of the picture, each with what lies round it, float32 (rows, columns, 3, S, S)."""
     rims = [(_RIM, _RIM + -size % TILE) for size in canvas.shape]
     values = np.pad(planes(canvas.bare(canvas.keys), True), [(0, 0), *rims], mode="edge")
@@ -132,7 +163,7 @@ def _met(mask: np.ndarray, reach: int) -> np.ndarray:
     return met
 
 
-def _explained(tiles: np.ndarray, near: np.ndarray, paints: Sequence[Union[np.ndarray, Surface]], places: np.ndarray,
+def best_mixes(tiles: np.ndarray, near: np.ndarray, paints: Sequence[Union[np.ndarray, Surface]], places: np.ndarray,
                bled: bool, sure: float = 0.0) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The best mixes in some squares, what they cost, and how far they are from the picture.
 
@@ -168,7 +199,7 @@ def _explained(tiles: np.ndarray, near: np.ndarray, paints: Sequence[Union[np.nd
             continue
         a, b = (painted[k] if len(painted[k]) < len(near[k]) else painted[k][some] for k in (one, other))
         share, cost, away = _mixes(colour[some], a, b, bled)
-        a, b = _inner(a), _inner(b)
+        a, b = without_rim(a), without_rim(b)
         end = np.minimum(sure / np.maximum(np.abs(b - a).max(axis=1), 1), 0.5)
         share[share < end], share[share > 1 - end] = 0, 1
         better = cost < least[some]
@@ -193,7 +224,7 @@ def _painted(paint: Union[np.ndarray, Surface], places: np.ndarray, asked: np.nd
     return out
 
 
-def _inner(colours: np.ndarray) -> np.ndarray:
+def without_rim(colours: np.ndarray) -> np.ndarray:
     """Colours (n, 3, S, S) without what lies round the squares."""
     return colours if colours.shape[-1] == 1 else colours[..., _INNER, _INNER]
 
@@ -209,7 +240,7 @@ def _mixes(colour: np.ndarray, a: np.ndarray, b: np.ndarray,
     weights = weights / np.maximum((weights * span).sum(axis=1, keepdims=True), 1e-6)
     seen = np.einsum("nchw,nchw->nhw", np.broadcast_to(weights, colour.shape), colour)
     share = np.clip(seen - (weights * a).sum(axis=1), 0, 1)
-    hue = _bled(share) if bled else share
+    hue = bleed(share) if bled else share
     off = np.zeros_like(share)
     for channel in range(3):
         own = a[:, channel] + step[:, 0] * share + (span[:, channel] - step[:, 0]) * hue
@@ -220,7 +251,7 @@ def _mixes(colour: np.ndarray, a: np.ndarray, b: np.ndarray,
     return share, _means(square) + _OWN * square[:, _INNER, _INNER], off
 
 
-def _bled(share: np.ndarray) -> np.ndarray:
+def bleed(share: np.ndarray) -> np.ndarray:
     """Planes (n, S, S) as hue is when it has bled; pixels at the sides, whose surroundings aren't known, stay."""
     reach = len(_BLED) // 2
     for axis in (1, 2):

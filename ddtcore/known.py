@@ -16,7 +16,7 @@ from . import banded, bleeding, detached, dither, glazes, overlays, palette, pat
 from .calm import LEFT
 from .canvas import Canvas, planes, within
 from .growing import Surface
-from .noise import ROUNDING, SPECK, noise_level, noisy_colours, ripple_level, unlike
+from .noise import ROUNDING, SPECK, STRONGEST, noise_level, noisy_colours, ripple_level, unlike
 from .ridges import find_ridges
 from .strokeinks import TWIN, new_colours
 
@@ -102,6 +102,14 @@ def know_soft(soft: unsteady.Soft) -> Known:
         clear = canvas = replace(canvas, keys=np.where(drawn, canvas.keys, clear.keys))
     return Known(canvas, slopes, [*found, *[None] * (count - len(found))], plateaus, keys,
                   noise, noise / (unsteady.LEFT if grainy else 2), True, unsteady.SPECK, clear, soft.canvas, soft)
+
+
+def know_hatched(canvas: Canvas, inks: np.ndarray) -> Known:
+    """The same of a hatched drawing, saved as JPEG, in a few packed inks, whose mixes all its pixels are."""
+    clear = bleeding.without_bleeding(canvas, inks, STRONGEST)
+    plateaus = palette.find_plateaus(clear, np.zeros(canvas.shape, bool))
+    return Known(clear, ramps.no_ramps(canvas.shape), [], plateaus, inks, STRONGEST, STRONGEST * bleeding.LEFT,
+                 True, SPECK, clear, canvas)
 
 
 def _know_ringing(canvas: Canvas) -> Optional[Known]:

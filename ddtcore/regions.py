@@ -12,11 +12,25 @@ from typing import Tuple
 
 import numpy as np
 
-from . import areas, dither, filling, merging, overlays, palette, ramps, regained, scraps, spots, uneven, unsteady
+from . import (
+    areas,
+    dither,
+    filling,
+    hatching,
+    merging,
+    overlays,
+    palette,
+    ramps,
+    regained,
+    scraps,
+    spots,
+    uneven,
+    unsteady,
+)
 from .calm import without_grain
 from .canvas import Canvas, mean_colours, planes, prepare, unpack
 from .exact import exact_colours
-from .known import Known, know, know_dithered, know_soft
+from .known import Known, know, know_dithered, know_hatched, know_soft
 from .model import Labels
 from .noise import ROUNDING, mixing_error, ripple_level
 from .options import TraceOptions
@@ -85,6 +99,9 @@ def _label_grainy(canvas: Canvas, most: int) -> Labels:
     soft = unsteady.find_soft(canvas, ripple_level(canvas, plateaus.core))
     if soft:
         return _label_rest(know_soft(soft))
+    inks = hatching.find_inks(canvas)
+    if inks.size:
+        return _label_rest(know_hatched(canvas, inks))
     calmed = without_grain(canvas)
     return label_flat_art(*calmed) if calmed else posterise(canvas, most)
 

@@ -44,7 +44,7 @@ ROOMS = {
     "pixels to regions": "regions known canvas palette noise calm ringing bleeding mixes sides ridges strokes"
                          " strokeinks narrow spots patches filling residue margins ramps surfaces growing spans"
                          " detached overlays glazes shades astride hairlines scraps uneven unsteady regained dither"
-                         " banded exact posterise threshold areas merging components",
+                         " banded exact hatching posterise threshold areas merging components",
     "mesh": "triangulation quads cost ribbon flips",
     "outlines": "border outline splinters position flatten unblur staircase lattice",
     "curves": "fit runs corner segments arclength cubic polish newton coverage quadratic bezier",

@@ -55,6 +55,20 @@ def test_thin_stripes_get_their_hue_back(quality, colours):
     assert error(cleared(spoilt, {*colours, WHITE}), clean) < 0.75 * error(spoilt, clean)
 
 
+@pytest.mark.parametrize("quality", [85, 75, 50])
+def test_outlines_between_two_areas_take_no_colour_of_others(quality):
+    """They mix three colours, one of which no pixel has in full; mixes with one that is met elsewhere come near."""
+    sky, brown = (194, 255, 255, 255), (213, 151, 88, 255)
+    clean = draw(160, 256, [(WHITE, everywhere), (sky, lambda x, y: y + x / 3 < 90),
+                            (BLACK, lambda x, y: abs(y + x / 3 - 90) < 0.4), (BLACK, disc(135, 20, 12)),
+                            (brown, disc(135, 60, 12))])
+    keys = np.array([WHITE, sky, BLACK, brown], np.uint8).view(np.uint32)[:, 0]
+    canvas = without_bleeding(prepare(jpeg(clean, quality)), keys, 14.0)
+    found = unpack(canvas.bare(canvas.keys))[:, :84].astype(int)
+    # Nothing there is red rather than blue.
+    assert (found[..., 0] - found[..., 2]).max() < 32
+
+
 @pytest.mark.parametrize("subsampling", [0, 1, 2])
 @pytest.mark.parametrize("quality", [75, 50])
 def test_pictures_are_nearer_to_what_they_were_however_hue_was_kept(subsampling, quality):
