@@ -55,7 +55,7 @@ def know(canvas: Canvas, grain: float) -> Known:
     if soft:
         return know_soft(soft)
     inks, clear, left, least = np.zeros(0, np.uint32), None, 1.0, SPECK
-    rings = not grain and ringing.overshoots(canvas, plateaus.core | (slopes >= 0)) > ringing.OVERSHOOTING
+    rings = not grain and ringing.is_resized(canvas, plateaus.core | (slopes >= 0))
     near_edges = (rings or (noise > ROUNDING and not grain)) and ringing.is_ringing(canvas)
     known = _know_ringing(canvas) if count and (rings or near_edges) else None
     if known:

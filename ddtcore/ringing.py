@@ -15,7 +15,7 @@ import numpy as np
 
 from .canvas import RIM, Canvas, pack, planes, within
 from .growing import Surface
-from .noise import ROUNDING, between_plateaus, unlike
+from .noise import REDUCED, ROUNDING, UNSTEADY, between_plateaus, unlike, zigzags
 from .palette import Plateaus, find_plateaus, is_mixed
 from .parts import in_parts
 from .patches import Patches, find_patches
@@ -78,6 +78,12 @@ def is_ringing(canvas: Canvas) -> bool:
     calm = span <= CALM
     calm[calm] = ~between_plateaus(canvas, core, cells[calm], span[calm], RIM)
     return bool(np.mean(calm) < RARE)
+
+
+def is_resized(canvas: Canvas, core: np.ndarray) -> bool:
+    """Whether edges beside plateaus and ramps, `core` (H, W), overshoot, but there are neither ripples nor dots."""
+    return (overshoots(canvas, core) > OVERSHOOTING and zigzags(canvas, 4) < UNSTEADY
+            and np.unique(canvas.keys).size > REDUCED)
 
 
 def overshoots(canvas: Canvas, core: np.ndarray) -> float:

@@ -15,7 +15,7 @@ from ddtcore.noise import ROUNDING
 from ddtcore.options import TraceOptions
 from ddtcore.palette import find_plateaus
 from ddtcore.regions import label_pixels
-from ddtcore.ringing import BEYOND, OVERSHOOTING, is_ringing, margins, overshoots, without_ringing
+from ddtcore.ringing import BEYOND, OVERSHOOTING, is_resized, is_ringing, margins, overshoots, without_ringing
 from ddtcore.unsteady import ramps_under
 
 Image = pytest.importorskip("PIL.Image")
@@ -183,10 +183,21 @@ def test_edges_of_shaded_art_overshoot_when_it_was_resized_only(factor):
     assert overshooting(np.full((20, 30, 4), 255, np.uint8)) == 0
 
 
+def test_ripples_of_a_jpeg_are_no_resizing():
+    image = draw(240, 240, LARGE)
+    file = io.BytesIO()
+    Image.fromarray(image[..., :3]).save(file, "JPEG", quality=50)
+    jpeg = np.asarray(Image.open(file).convert("RGBA"))
+    for picture, wanted in ((image, False), (resized(image, 0.7), True), (jpeg, False)):
+        canvas = prepare(picture)
+        assert is_resized(canvas, find_plateaus(canvas, np.zeros(canvas.shape, bool)).core) == wanted
+
+
 def test_clipped_channels_do_not_tell():
     # Red and blue are at their ends on both sides.
     orange, black = (255, 127, 0, 255), (0, 0, 0, 255)
-    image = resized(draw(240, 240, [(orange, everywhere), (black, disc(120, 120, 80)), (orange, disc(120, 120, 60))]), 0.7)
+    discs = [(orange, everywhere), (black, disc(120, 120, 80)), (orange, disc(120, 120, 60))]
+    image = resized(draw(240, 240, discs), 0.7)
     assert np.unique(image[..., 0]).max() == 255 and overshooting(image) > 2 * OVERSHOOTING
 
 
@@ -198,7 +209,8 @@ def test_a_drawn_rim_is_no_overshoot():
 
 def test_halos_beside_one_plateau_are_no_colour_that_lies_nearer():
     grey = (229, 229, 229, 255)
-    image = resized(draw(300, 300, [(WHITE, everywhere), (BLACK, disc(150, 150, 120)), (grey, disc(150, 150, 112))]), 0.5)
+    discs = [(WHITE, everywhere), (BLACK, disc(150, 150, 120)), (grey, disc(150, 150, 112))]
+    image = resized(draw(300, 300, discs), 0.5)
     labels = label_pixels(image, TraceOptions())
     row, col = np.mgrid[:150, :150] + 0.5
     inside = np.hypot(row - 75, col - 75) < 54
