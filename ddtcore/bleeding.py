@@ -14,7 +14,7 @@ from typing import Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from .canvas import RIM, Canvas, planes, within
+from .canvas import LUMA, RIM, Canvas, planes, within
 from .growing import Surface
 
 LEFT = 0.75
@@ -41,7 +41,6 @@ ONE_BY_ONE = 4
 TILE = 32
 """Side of the squares that are looked at together, px."""
 
-_LUMA = np.array([0.299, 0.587, 0.114], np.float32)
 _BLED = np.array([1, 4, 6, 4, 1], np.float32) / 16
 _HUE = 0.1
 _REACH = 3
@@ -233,9 +232,9 @@ def _mixes(colour: np.ndarray, a: np.ndarray, b: np.ndarray,
            bled: bool) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Shares of b in mixes with a, what they cost, and how far the mixes are from the picture, (n, TILE, TILE)."""
     span = b - a
-    step = np.tensordot(_LUMA, span, (0, 1))[:, None]
+    step = np.tensordot(LUMA, span, (0, 1))[:, None]
     # Brightness, and a little of the hue, in case there is no difference in brightness.
-    luma = _LUMA[:, None, None]
+    luma = LUMA[:, None, None]
     weights = step * luma + _HUE ** 2 * (span - step - (span - step).sum(axis=1, keepdims=True) * luma)
     weights = weights / np.maximum((weights * span).sum(axis=1, keepdims=True), 1e-6)
     seen = np.einsum("nchw,nchw->nhw", np.broadcast_to(weights, colour.shape), colour)

@@ -20,6 +20,9 @@ from .raster import is_opaque, pixel_keys
 RIM = 3
 """Pixels added on each side, so that windows up to 7 x 7 stay inside the arrays."""
 
+LUMA = np.array([0.299, 0.587, 0.114], np.float32)
+"""Shares of the channels in how bright a pixel is."""
+
 _ROWS = 256
 """Rows of a picture worked on at a time."""
 

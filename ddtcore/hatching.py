@@ -15,7 +15,7 @@ from typing import List, NamedTuple, Tuple
 import numpy as np
 
 from . import bleeding
-from .canvas import Canvas
+from .canvas import LUMA, Canvas, pack
 from .noise import zigzags
 from .palette import is_mixed, plain_colours
 
@@ -67,7 +67,6 @@ MIXED = 16.0
 RARER = 0.5
 """How often it is met at most, as a share of how often they are."""
 
-_LUMA = np.array([0.299, 0.587, 0.114], np.float32)
 _ENDS = 10, 90
 _FEW = 4
 
@@ -100,7 +99,7 @@ def find_inks(canvas: Canvas) -> np.ndarray:
     places = np.argwhere(np.ones([max(1, size // bleeding.TILE) for size in canvas.shape], bool))
     places = places[np.linspace(0, len(places) - 1, min(len(places), SQUARES)).astype(int)]
     ends, middle, sure = _lines(squares[places[:, 0], places[:, 1]])
-    hatched = (ends[:, 1] - ends[:, 0]) @ _LUMA > LOW
+    hatched = (ends[:, 1] - ends[:, 0]) @ LUMA > LOW
     if hatched.mean() < HATCHED or sure.mean() < SURE or middle[hatched].mean() > MIDDLE:
         return none
     return _gathered(ends[sure]) if zigzags(canvas, 4) < GRAIN else none
@@ -108,7 +107,7 @@ def find_inks(canvas: Canvas) -> np.ndarray:
 
 def _lines(squares: np.ndarray) -> _Parts:
     """The lines in the parts of squares (m, 3, S, S) with their surroundings."""
-    luma = np.tensordot(squares, _LUMA, (1, 0))
+    luma = np.tensordot(squares, LUMA, (1, 0))
     here, bled, luma = (_parts(bleeding.without_rim(planes)) for planes in (
         squares, bleeding.bleed(luma)[:, np.newaxis], luma[:, np.newaxis]))
     low, high = np.percentile(luma[:, 0], _ENDS, axis=1)
@@ -179,7 +178,7 @@ def _gathered(ends: np.ndarray) -> np.ndarray:
         left[best] = False
     if len(inks) < 2 or covered.reshape(-1, 2).all(axis=1).mean() < COVERED:
         return np.zeros(0, np.uint32)
-    return _packed(_without_mixes(np.array(inks), np.array(counts)))
+    return pack(_without_mixes(np.array(inks), np.array(counts)).T)
 
 
 def _without_mixes(inks: np.ndarray, counts: np.ndarray) -> np.ndarray:
@@ -189,10 +188,3 @@ def _without_mixes(inks: np.ndarray, counts: np.ndarray) -> np.ndarray:
         more = inks[:k][kept[:k] & (counts[k] <= RARER * counts[:k])].T
         kept[k] = not is_mixed(inks[k:k + 1].T, more, MIXED)[0]
     return np.asarray(inks[kept])
-
-
-def _packed(colours: np.ndarray) -> np.ndarray:
-    """Colours (K, 3) packed."""
-    rgba = np.full((len(colours), 4), 255, np.uint8)
-    rgba[:, :3] = np.rint(colours)
-    return rgba.view(np.uint32)[:, 0]

@@ -16,6 +16,7 @@ from typing import Tuple
 
 import numpy as np
 
+from .canvas import LUMA
 from .model import LINE, Drawing, Labels, Loop, Shape
 from .options import TraceOptions
 from .perception import nearest
@@ -50,7 +51,7 @@ def stretch(image: np.ndarray, level: float) -> np.ndarray:
     ndarray of shape (H, W, 4) and dtype uint8
     """
     rgb = image[..., :3].astype(np.float32)
-    grey = rgb @ np.array([0.299, 0.587, 0.114], np.float32)
+    grey = rgb @ LUMA
     levels = np.clip(np.rint(grey[image[..., 3] > 0]), 0, 255).astype(np.int64)
     if not levels.size:
         return image

@@ -11,7 +11,7 @@ from typing import List, Optional, Tuple
 
 import numpy as np
 
-from .canvas import RIM, Canvas, count_keys, planes, unpack, within
+from .canvas import LUMA, RIM, Canvas, count_keys, planes, unpack, within
 from .mixes import segment_distance
 from .palette import MIXED, Plateaus, is_mixed
 from .sides import window
@@ -43,7 +43,6 @@ EVEN = 0.25, 0.5
 APART = 1.5
 """How much brighter or darker such colours are at least, as a multiple of that."""
 
-_LUMA = np.array([0.299, 0.587, 0.114], np.float32)
 _LOW = 32
 _HIGH = 48
 _UNEVEN = 2
@@ -219,7 +218,7 @@ def _add_told_apart(canvas: Canvas, found: List[np.uint32], noise: float) -> Non
     but often in brightness, and ripples there are no larger than these pixels differ from each other.
     """
     levels = planes(canvas.bare(canvas.keys), True)
-    levels = np.concatenate([levels, np.tensordot(_LUMA, levels, 1)[np.newaxis]])
+    levels = np.concatenate([levels, np.tensordot(LUMA, levels, 1)[np.newaxis]])
     spans = within(levels, 1, np.maximum) - within(levels, 1, np.minimum)
     smooth = spans.max(axis=0) <= noise
     for margin in noise * np.array(EVEN):
@@ -251,7 +250,7 @@ def _gather_told_apart(canvas: Canvas, keys: np.ndarray, counts: np.ndarray, fou
 def _is_alike(keys: np.ndarray, key: np.uint32, margin: float, noise: float) -> np.ndarray:
     """Which packed colours differ from one of them by ripples only, in brightness by few."""
     off = planes(keys, True) - planes(np.array([key], np.uint32), True)
-    return np.asarray((np.abs(off).max(axis=0) <= 2 * noise) & (np.abs(_LUMA @ off) <= APART * margin))
+    return np.asarray((np.abs(off).max(axis=0) <= 2 * noise) & (np.abs(LUMA @ off) <= APART * margin))
 
 
 def _gather(canvas: Canvas, keys: np.ndarray, spans: np.ndarray, found: List[np.uint32], crowds: List[float],

@@ -12,7 +12,7 @@ from typing import NamedTuple, Tuple
 
 import numpy as np
 
-from .canvas import RIM, Canvas, pack, planes
+from .canvas import LUMA, RIM, Canvas, pack, planes
 from .components import cell_components, next_among
 from .palette import MIXED, is_mixed
 from .sides import window
@@ -38,9 +38,6 @@ of the noise, and that such a share of the pixels round an area have."""
 
 MANY = 128
 """Most pieces that are looked at, the largest ones."""
-
-LUMA = np.array([0.299, 0.587, 0.114], np.float32)
-"""Shares of the channels in how bright a pixel is."""
 
 
 class Patches(NamedTuple):

@@ -14,7 +14,7 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 import numpy as np
 
 from .calm import calm
-from .canvas import RIM, Canvas, planes, within
+from .canvas import LUMA, RIM, Canvas, planes, within
 from .components import mask_areas
 from .growing import FIT, Surface, gradient_surface
 from .noise import REDUCED, ROUNDING, UNSTEADY, noisy_colours, unlike, zigzags
@@ -72,9 +72,6 @@ SPECK = 24.0
 
 AMONG, MINGLED = 3, 0.7
 """Two hues of one colour have this share of the pixels of the rarer one so near to the other, px."""
-
-LUMA = np.array([0.299, 0.587, 0.114], np.float32)
-"""Shares of the channels in how bright a pixel is."""
 
 _TURN = 2
 _ASKED = 1 << 10
