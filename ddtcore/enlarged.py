@@ -9,7 +9,6 @@ pixels could, either: their halves are less blurred, and tell as much.
 
 from __future__ import annotations
 
-from fractions import Fraction
 from typing import Optional, Tuple
 
 import numpy as np
@@ -19,7 +18,7 @@ from .flatten import straightened
 from .raster import is_opaque
 from .resampling import FILTERS, Blocks, enlarging, shrinking
 
-LOST = {Fraction(3): 0.145, Fraction(2): 0.145, Fraction(3, 2): 0.1}
+LOST = {3.0: 0.145, 2.0: 0.145, 1.5: 0.1}
 """Largest share of the steps between pixels that a picture enlarged by each factor may leave unexplained."""
 
 BENT = 1.1
@@ -67,26 +66,26 @@ def original(image: np.ndarray) -> Tuple[np.ndarray, Tuple[float, float]]:
         found = enlarged_by(image)
         if found is None:
             break
-        small, whole = shrunk(image, *found), found[0].denominator == 1
-        down *= float(found[0]) if whole else image.shape[0] / small.shape[0]
-        across *= float(found[0]) if whole else image.shape[1] / small.shape[1]
+        small, (factor, _) = shrunk(image, *found), found
+        down *= factor if factor.is_integer() else image.shape[0] / small.shape[0]
+        across *= factor if factor.is_integer() else image.shape[1] / small.shape[1]
         image = small
     return image, (across, down)
 
 
-def enlarged_by(image: np.ndarray) -> Optional[Tuple[Fraction, str]]:
+def enlarged_by(image: np.ndarray) -> Optional[Tuple[float, str]]:
     """The factor by which a picture was enlarged, and the name of the filter in `FILTERS`; None if by none."""
     if bent(image) > BENT:
         return None
-    found = {factor: _filter_of(image, factor) for factor in (Fraction(3), Fraction(2))}
+    found = {factor: _filter_of(image, factor) for factor in (3.0, 2.0)}
     lost, factor, name = min((lost, factor, name) for factor, (lost, name) in found.items())
     if lost == np.inf:
-        factor = Fraction(3, 2)
+        factor = 1.5
         lost, name = _filter_of(image, factor)
     return (factor, name) if lost < np.inf else None
 
 
-def _filter_of(image: np.ndarray, factor: Fraction) -> Tuple[float, str]:
+def _filter_of(image: np.ndarray, factor: float) -> Tuple[float, str]:
     """What is lost by the filter that explains most, and its name; infinite if none explains enough."""
     # A first look tells the many that are nothing like it.
     if lost_by_shrinking(image, factor, "lanczos", 1, _FEW_LINES) <= 2 * LOST[factor]:
@@ -98,10 +97,10 @@ def _filter_of(image: np.ndarray, factor: Fraction) -> Tuple[float, str]:
     return np.inf, ""
 
 
-def shrunk(image: np.ndarray, factor: Fraction, name: str) -> np.ndarray:
+def shrunk(image: np.ndarray, factor: float, name: str) -> np.ndarray:
     """The smaller picture from which a filter gives this one."""
-    if factor.denominator == 1:
-        rest = [(0, -size % factor.numerator) for size in image.shape[:2]]
+    if factor.is_integer():
+        rest = [(0, -size % int(factor)) for size in image.shape[:2]]
         image = np.pad(image, (*rest, (0, 0)), mode="edge")
     values = _planes(image)
     # Programs enlarge rows first, and round what they get.
@@ -126,7 +125,7 @@ def _met(some: np.ndarray, shape: Tuple[int, int]) -> np.ndarray:
     return some
 
 
-def _both(large: int, factor: Fraction, name: str) -> Tuple[Blocks, Blocks]:
+def _both(large: int, factor: float, name: str) -> Tuple[Blocks, Blocks]:
     """What makes lines of so many pixels by a factor, and what takes them back."""
     small = round(large / factor)
     return enlarging(small, large, name), shrinking(small, large, name)
@@ -153,7 +152,7 @@ def _settled(image: np.ndarray, margin: np.ndarray) -> np.ndarray:
     return colours[index].view(np.uint8).reshape(image.shape)
 
 
-def lost_by_shrinking(image: np.ndarray, factor: Fraction, name: str, rounds: int = _ROUNDS,
+def lost_by_shrinking(image: np.ndarray, factor: float, name: str, rounds: int = _ROUNDS,
                       count: int = _LINES) -> float:
     """What of a picture cannot come from a smaller one, in relation to its steps from pixel to pixel.
 
@@ -177,10 +176,10 @@ def _sampled(image: np.ndarray, count: int) -> Tuple[np.ndarray, ...]:
                  for lines in (image, image.swapaxes(0, 1)))
 
 
-def _lost(lines: np.ndarray, factor: Fraction, name: str, rounds: int) -> float:
+def _lost(lines: np.ndarray, factor: float, name: str, rounds: int) -> float:
     """What some lines of pixels (n, size, 4) would lose."""
-    if factor.denominator == 1:
-        lines = lines[:, :lines.shape[1] // factor.numerator * factor.numerator]
+    if factor.is_integer():
+        lines = lines[:, :int(lines.shape[1] // factor * factor)]
     values = _planes(lines)
     steps = np.square(np.diff(values, axis=2)).sum()
     if not steps:

@@ -83,12 +83,25 @@ def noise_level(canvas: Canvas, core: np.ndarray, slopes: np.ndarray) -> Tuple[f
 
 def ripple_level(canvas: Canvas, core: np.ndarray) -> float:
     """How high ripples beside the plateaus `core` (H, W) are, levels; `ROUNDING` where there are none."""
+    uneven, span, share = _uneven(canvas, core)
+    rippled = np.mean(uneven & (span <= _LOW)) if uneven.size else 0.0
+    if rippled < 0.05 or rippled * share < 0.005:
+        return ROUNDING
+    return float(min(STRONGEST, 1.3 * np.median(span[uneven])))
+
+
+def rippled_share(canvas: Canvas, core: np.ndarray) -> float:
+    """Share of the pixels that are no plateaus, `core` (H, W), where there are ripples."""
+    uneven, span, _ = _uneven(canvas, core)
+    return float(np.mean(uneven & (span <= _LOW))) if uneven.size else 0.0
+
+
+def _uneven(canvas: Canvas, core: np.ndarray) -> Tuple[np.ndarray, np.ndarray, float]:
+    """Which of a sample of pixels that are no plateaus are uneven, their `_spans`, and the share of all such pixels."""
     mixed = np.zeros(core.shape, bool)
     # What goes on along the border is a strip of another colour, not a ripple.
     mixed[1:-1, 1:-1] = ~core[1:-1, 1:-1]
     cells = canvas.cells(mixed)
-    if not cells.size:
-        return ROUNDING
     share = cells.size / core.size
     cells = cells[::max(1, cells.size // _SAMPLE)]
     here, span = canvas.colours(cells), _spans(canvas, cells)
@@ -96,10 +109,7 @@ def ripple_level(canvas: Canvas, core: np.ndarray) -> float:
              for step in (1, canvas.stride)]
     uneven = (np.abs(bends).max(axis=(0, 1)) > _UNEVEN) & (span <= _HIGH)
     uneven[uneven] = ~between_plateaus(canvas, core, cells[uneven], span[uneven], 2)
-    rippled = np.mean(uneven & (span <= _LOW))
-    if rippled < 0.05 or rippled * share < 0.005:
-        return ROUNDING
-    return float(min(STRONGEST, 1.3 * np.median(span[uneven])))
+    return uneven, span, share
 
 
 def _even_parts(canvas: Canvas, slopes: np.ndarray) -> np.ndarray:

@@ -7,7 +7,6 @@ fraction all blocks have the same one.
 
 from __future__ import annotations
 
-from fractions import Fraction
 from functools import lru_cache
 from typing import Callable, Dict, List, NamedTuple, Tuple
 
@@ -99,12 +98,12 @@ def enlarging(small: int, large: int, name: str) -> Blocks:
 def shrinking(small: int, large: int, name: str) -> Blocks:
     """What gives the `small` lines back from the `large` ones that a filter made of them, nearly by least squares.
 
-    The factor is taken for a simple fraction within a block, and places for parts of a pixel.
+    The factor is taken for a whole number of halves within a block, and places for parts of a pixel.
     """
     source, target, begin = _grid(small, large)
     reach = _AROUND * -(-large // small)
     given = int(np.diff(target).max()) + 2 * reach
-    factor = float(Fraction(large, small).limit_denominator(2))
+    factor = round(2 * large / small) / 2
     matrices = [_backward(name, factor, offset / _PARTS, reach, given)
                 for offset in np.rint((begin - target)[:-1] * _PARTS).tolist()]
     return _blocks(small, target[:-1] - reach, source[:-1], matrices)

@@ -15,7 +15,7 @@ import numpy as np
 
 from .canvas import RIM, Canvas, pack, planes, within
 from .growing import Surface
-from .noise import REDUCED, ROUNDING, UNSTEADY, between_plateaus, unlike, zigzags
+from .noise import REDUCED, ROUNDING, UNSTEADY, between_plateaus, rippled_share, unlike, zigzags
 from .palette import Plateaus, find_plateaus, is_mixed
 from .parts import in_parts
 from .patches import Patches, find_patches
@@ -45,8 +45,11 @@ MARGIN = 0.1
 BESIDE = 0.08
 """How far it goes beyond a flat colour beside one straight edge, as a share of the contrast."""
 
-OVERSHOOTING = 0.09
-"""Share of edges beside which the colour overshoots, from which a picture rings."""
+OVERSHOOTING = 0.15
+"""Share of edges beside which the colour overshoots, from which a picture rings,"""
+
+RIPPLED = 0.012
+"""if so many of its pixels that are no plateaus are ripples: on thin strokes there are edges that look like it."""
 
 EDGES = 64
 """Fewest edges that tell."""
@@ -82,8 +85,8 @@ def is_ringing(canvas: Canvas) -> bool:
 
 def is_resized(canvas: Canvas, core: np.ndarray) -> bool:
     """Whether edges beside plateaus and ramps, `core` (H, W), overshoot, but there are neither ripples nor dots."""
-    return (overshoots(canvas, core) > OVERSHOOTING and zigzags(canvas, 4) < UNSTEADY
-            and np.unique(canvas.keys).size > REDUCED)
+    return (overshoots(canvas, core) > OVERSHOOTING and rippled_share(canvas, core) > RIPPLED
+            and zigzags(canvas, 4) < UNSTEADY and np.unique(canvas.keys).size > REDUCED)
 
 
 def overshoots(canvas: Canvas, core: np.ndarray) -> float:

@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
-
 import numpy as np
 import pytest
 from artwork import CARTOON, disc, draw, everywhere, stroke
@@ -80,7 +78,7 @@ def test_others_are_left_alone(clean, spoil):
     image = spoil(clean)
     small, times = original(image)
     assert times == (1, 1) and small is image
-    assert all(lost_by_shrinking(image, Fraction(2), name) > LOST[Fraction(2)] for name in FILTERS)
+    assert all(lost_by_shrinking(image, 2.0, name) > LOST[2.0] for name in FILTERS)
 
 
 def test_steps_change_less_in_enlarged_pictures(clean):
@@ -104,10 +102,10 @@ def test_sizes_that_are_no_multiples(clean):
 
 def test_odd_sizes_and_edges(clean):
     for height, width in ((7, 9), (1, 1), (2, 5)):
-        assert shrunk(clean[:height, :width], Fraction(2), "cubic").shape == (-(-height // 2), -(-width // 2), 4)
+        assert shrunk(clean[:height, :width], 2.0, "cubic").shape == (-(-height // 2), -(-width // 2), 4)
     flat = np.full((2 * LEAST, 2 * LEAST, 4), 77, np.uint8)
     assert original(flat)[1] == (1, 1)
-    assert (shrunk(flat, Fraction(2), "lanczos") == 77).all()
+    assert (shrunk(flat, 2.0, "lanczos") == 77).all()
 
 
 def test_their_drawing_has_the_size_of_the_picture(clean):

@@ -201,6 +201,17 @@ def test_clipped_channels_do_not_tell():
     assert np.unique(image[..., 0]).max() == 255 and overshooting(image) > 2 * OVERSHOOTING
 
 
+def test_thin_strokes_are_no_ripples():
+    # Light gaps beside dark strokes on a middle tone look like edges that overshoot.
+    rings = [(TAN, everywhere)]
+    for radius in range(100, 20, -10):
+        rings += [(WHITE, disc(110, 110, radius)), (TAN, disc(110, 110, radius - 0.12)),
+                  (BLACK, disc(110, 110, radius - 1)), (TAN, disc(110, 110, radius - 4))]
+    canvas = prepare(draw(220, 220, rings))
+    core = find_plateaus(canvas, np.zeros(canvas.shape, bool)).core
+    assert overshoots(canvas, core) > OVERSHOOTING and not is_resized(canvas, core)
+
+
 def test_a_drawn_rim_is_no_overshoot():
     image = draw(240, 240, [(TAN, everywhere), ((250, 230, 190, 255), disc(120, 120, 82)), (BLACK, disc(120, 120, 80)),
                             (TAN, disc(120, 120, 60))])
