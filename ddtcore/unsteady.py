@@ -38,7 +38,7 @@ SLOPING = 0.03
 """Smallest share of a picture's area that its ramps have, unless they are sure."""
 
 SURE, FEW = 1.4, 0.002
-"""How much more contrast than ripples sure ramps have at least, and their smallest share of a picture's area."""
+"""How much more contrast in brightness than ripples sure ramps have, and their smallest share of a picture's area."""
 
 BEND = 3.0
 """Largest change of the step from pixel to pixel on a ramp without most of its ripples, levels."""
@@ -303,9 +303,11 @@ def _steep(canvas: Canvas, slopes: np.ndarray, surfaces: Sequence[Optional[Surfa
             share = (colour[most] - low[most]) / max(high[most] - low[most], 1.0)
             # Two flat colours have next to nothing between them.
             between = np.mean(np.abs(share - 0.5) < 0.25)
-            contrast = (high[most] - low[most]) / margins[cells].mean()
-            steep[number] = contrast >= 1 and between >= BETWEEN
-            sure[number] = steep[number] and contrast >= SURE
+            dark, bright = np.percentile(LUMA @ colour[:3], _ENDS)
+            margin = margins[cells].mean()
+            steep[number] = high[most] - low[most] >= margin and between >= BETWEEN
+            # It is the hue that JPEG moves most.
+            sure[number] = steep[number] and bright - dark >= SURE * margin
     return size, steep, sure
 
 
