@@ -21,11 +21,11 @@ from .resampling import FILTERS, Blocks, enlarging, shrinking
 LOST = {3.0: 0.145, 2.0: 0.145, 1.5: 0.1}
 """Largest share of the steps between pixels that a picture enlarged by each factor may leave unexplained."""
 
-LOOK = {3.0: 0.29, 2.0: 0.29, 1.5: 0.115}
-"""The same for a first look, which tells less.  Scans come near to what is enlarged by a half."""
+LOOK = {3.0: 0.29, 2.0: 0.17, 1.5: 0.115}
+"""The same for a first look with one of the filters.  Scans come near to what is enlarged by a half."""
 
-BENT = 1.1
-"""How much steps from pixel to pixel change at most in enlarged pictures, as a multiple of themselves."""
+BENT = {3.0: 0.8, 2.0: 1.1, 1.5: 1.1}
+"""How much steps from pixel to pixel change at most in such pictures, as a multiple of themselves."""
 
 LEAST = 128
 """Shortest side of a picture that is taken for an enlarged one, px."""
@@ -78,20 +78,19 @@ def original(image: np.ndarray) -> Tuple[np.ndarray, Tuple[float, float]]:
 
 def enlarged_by(image: np.ndarray) -> Optional[Tuple[float, str]]:
     """The factor by which a picture was enlarged, and the name of the filter in `FILTERS`; None if by none."""
-    if bent(image) > BENT:
-        return None
-    found = {factor: _filter_of(image, factor) for factor in (3.0, 2.0)}
-    lost, factor, name = min((lost, factor, name) for factor, (lost, name) in found.items())
-    if lost == np.inf:
-        factor = 1.5
-        lost, name = _filter_of(image, factor)
-    return (factor, name) if lost < np.inf else None
+    bend = bent(image)
+    # What was enlarged by more could be so by a half.
+    for factors in ((3.0, 2.0), (1.5,)):
+        lost, name, factor = min((*_filter_of(image, factor, bend), factor) for factor in factors)
+        if lost < np.inf:
+            return factor, name
+    return None
 
 
-def _filter_of(image: np.ndarray, factor: float) -> Tuple[float, str]:
+def _filter_of(image: np.ndarray, factor: float, bend: float) -> Tuple[float, str]:
     """What is lost by the filter that explains most, and its name; infinite if none explains enough."""
-    # A first look tells the many that are nothing like it.
-    if lost_by_shrinking(image, factor, "lanczos", 1, _FEW_LINES) <= LOOK[factor]:
+    # First looks tell the many that are nothing like it.
+    if bend <= BENT[factor] and lost_by_shrinking(image, factor, "lanczos", 1, _FEW_LINES) <= LOOK[factor]:
         lost = {name: lost_by_shrinking(image, factor, name) for name in FILTERS}
         # That others might overshoot black and white makes them fit where this one was used.
         best = min(lost, key=lambda name: lost[name] / (1.5 if name == "linear" else 1))

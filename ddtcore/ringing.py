@@ -9,7 +9,7 @@ were, unlike in a JPEG or a scan.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Optional, Sequence, Tuple
+from typing import Iterable, Iterator, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -160,7 +160,8 @@ def without_ringing(canvas: Canvas, ramps: Optional[np.ndarray] = None,
         # Along a stroke on a ramp the colour may come near any other.
         bound[:known.size - inks.size] = True
     bound = np.append(bound, np.ones(patches.keys.size, bool))
-    beside = np.append(_beside(canvas, plateaus.core, cells, known), _near(canvas, patches, cells), axis=0)
+    beside = np.append(_beside(canvas, plateaus.core, cells, known),
+                       _near(canvas, _inside(canvas, patches), cells), axis=0)
     known = np.append(known, patches.keys)
     best, least = in_parts(
         lambda part: _settled(canvas, cells[part], low[:, part], high[:, part], known, beside[:, part], bound),
@@ -181,22 +182,22 @@ def without_ringing(canvas: Canvas, ramps: Optional[np.ndarray] = None,
 
 def _beside(canvas: Canvas, core: np.ndarray, cells: np.ndarray, known: np.ndarray) -> np.ndarray:
     """Which pixels (N,) are beside plateaus of which `known` colours, bool (K, N)."""
-    beside = np.zeros((known.size, cells.size), bool)
-    for k, key in enumerate(known):
-        flat = canvas.rimmed(core, False).reshape(-1, canvas.stride)
-        flat &= (canvas.keys == key).reshape(flat.shape)
-        beside[k] = within(flat[np.newaxis], RIM, np.maximum).ravel()[cells]
-    return beside
+    flat = canvas.rimmed(core, False)
+    return _near(canvas, (flat & (canvas.keys == key) for key in known), cells)
 
 
-def _near(canvas: Canvas, patches: Patches, cells: np.ndarray) -> np.ndarray:
-    """Which pixels (N,) are near narrow areas of each colour, bool (K, N)."""
-    near = np.zeros((patches.keys.size, cells.size), bool)
-    for k, beside in enumerate(near):
-        inside = np.zeros((1, canvas.keys.size // canvas.stride, canvas.stride), bool)
-        inside.ravel()[patches.cells[patches.number == k]] = True
-        beside[:] = within(inside, RIM, np.maximum).ravel()[cells]
-    return near
+def _near(canvas: Canvas, places: Iterable[np.ndarray], cells: np.ndarray) -> np.ndarray:
+    """Which pixels (N,) are near the places, bool (P,) each, of each of K colours, bool (K, N)."""
+    near = [within(inside.reshape(1, -1, canvas.stride), RIM, np.maximum).ravel()[cells] for inside in places]
+    return np.array(near, bool).reshape(-1, cells.size)
+
+
+def _inside(canvas: Canvas, patches: Patches) -> Iterator[np.ndarray]:
+    """The pixels (P,) well inside the narrow areas of each colour."""
+    for k in range(patches.keys.size):
+        inside = np.zeros(canvas.keys.size, bool)
+        inside[patches.cells[patches.number == k]] = True
+        yield inside
 
 
 def _even(canvas: Canvas, plateaus: Plateaus, keys: np.ndarray) -> np.ndarray:
