@@ -24,7 +24,7 @@ LOST = {3.0: 0.145, 2.0: 0.145, 1.5: 0.1}
 LOOK = {3.0: 0.29, 2.0: 0.17, 1.5: 0.115}
 """The same for a first look with one of the filters.  Scans come near to what is enlarged by a half."""
 
-BENT = {3.0: 0.8, 2.0: 1.1, 1.5: 1.1}
+BENT = {3.0: 0.8, 2.0: 1.2, 1.5: 1.2}
 """How much steps from pixel to pixel change at most in such pictures, as a multiple of themselves."""
 
 LEAST = 128
